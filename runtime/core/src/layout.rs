@@ -1,0 +1,116 @@
+//! Names, units and shape of a model: what tools ask and what the integrator indexes by.
+
+/// What a coordinate measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoordinateKind {
+    /// An angle (rad).
+    Angle,
+    /// A length (m).
+    Length,
+}
+
+/// A generalized coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Name as in the model.
+    pub name: String,
+    /// Angle or length.
+    pub kind: CoordinateKind,
+    /// Whether the model itself drives it, so that it has no momentum and no equation.
+    pub kinematic: bool,
+}
+
+/// A parameter or an input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// Name as in the model.
+    pub name: String,
+    /// SI unit, empty where dimensionless.
+    pub unit: String,
+}
+
+/// A strand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strand {
+    /// Name as in the model.
+    pub name: String,
+    /// Whether the model gives its natural length; if not it is the length at the start.
+    pub has_rest: bool,
+}
+
+/// A constraint row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstraintRow {
+    /// Column name without `lambda.`: `pin.x`, `rod`.
+    pub name: String,
+}
+
+/// Coordinates that the step couples, solved together; a connected component of strands, bodies,
+/// forces and constraints. Kinematic coordinates belong to none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Coordinates by index, ascending.
+    pub coordinates: Vec<usize>,
+    /// Constraint rows by index, ascending.
+    pub rows: Vec<usize>,
+    /// Where the block's matrices start in packed storage.
+    pub matrix_offset: usize,
+    /// Where the block's constraint Jacobian starts in packed storage.
+    pub constraint_offset: usize,
+}
+
+/// Strands that follow a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Follow {
+    /// Index of the motion.
+    pub motion: usize,
+    /// Strands by index.
+    pub strands: Vec<usize>,
+}
+
+/// Names and shape of a scenario.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ScenarioLayout {
+    /// Name as in the model.
+    pub name: String,
+    /// Coordinates that the scenario drives.
+    pub driven: Vec<usize>,
+    /// What follows a motion.
+    pub follow: Vec<Follow>,
+    /// Names of the recorded columns.
+    pub records: Vec<String>,
+}
+
+/// Names, units and shape of a model.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Layout {
+    /// Name of the model.
+    pub name: String,
+    /// Parameters in declaration order.
+    pub params: Vec<Quantity>,
+    /// Inputs in declaration order.
+    pub inputs: Vec<Quantity>,
+    /// Coordinates in declaration order.
+    pub coordinates: Vec<Coordinate>,
+    /// Strands in declaration order.
+    pub strands: Vec<Strand>,
+    /// Constraint rows in declaration order.
+    pub rows: Vec<ConstraintRow>,
+    /// Blocks of the step equations.
+    pub blocks: Vec<Block>,
+    /// Scenarios in declaration order.
+    pub scenarios: Vec<ScenarioLayout>,
+    /// A length typical of the model (m), for tolerances of coordinates that are lengths.
+    pub length_scale: f64,
+}
+
+impl Layout {
+    /// Numbers in a packed Newton matrix.
+    pub fn matrix_size(&self) -> usize {
+        self.blocks.iter().map(|b| b.coordinates.len() * b.coordinates.len()).sum()
+    }
+    /// Numbers in a packed constraint Jacobian.
+    pub fn constraint_size(&self) -> usize {
+        self.blocks.iter().map(|b| b.coordinates.len() * b.rows.len()).sum()
+    }
+}
