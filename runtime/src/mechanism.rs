@@ -1,0 +1,341 @@
+//! The mechanism: constant data of a model, parents first; the one contract between language,
+//! interpreter and compiler.
+//!
+//! A joint of several coordinates is a chain of links with one coordinate each. Frames that do not
+//! move against a link are folded into it: points are given in link axes, and the masses of a link
+//! are kept one by one and lumped when numbers are resolved. A number is a constant or a function
+//! of the parameters ([`Number`]), so geometry and masses may be parameters too.
+
+use crate::expression::{Function, Program};
+use serde::{Deserialize, Serialize};
+
+/// A constant, or an output of [`Mechanism::values`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Number {
+    /// Known now (SI).
+    Constant(f64),
+    /// Output of [`Mechanism::values`] by index: depends on parameters.
+    Value(u32),
+}
+
+impl Default for Number {
+    fn default() -> Self {
+        Number::ZERO
+    }
+}
+
+impl Number {
+    /// Zero.
+    pub const ZERO: Number = Number::Constant(0.0);
+    /// Whether it is the constant zero.
+    pub fn is_zero(self) -> bool {
+        self == Number::ZERO
+    }
+}
+
+/// Three numbers.
+pub type NumberVector = [Number; 3];
+
+/// A constant rigid transform, `parent_from_child`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NumberTransform {
+    /// Rotation by rows.
+    pub rotation: [NumberVector; 3],
+    /// Child origin in the parent (m).
+    pub translation: NumberVector,
+}
+
+impl NumberTransform {
+    /// The identity.
+    pub const IDENTITY: NumberTransform = {
+        let (o, l) = (Number::ZERO, Number::Constant(1.0));
+        NumberTransform { rotation: [[l, o, o], [o, l, o], [o, o, l]], translation: [o, o, o] }
+    };
+}
+
+/// A parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Param {
+    /// Name.
+    pub name: String,
+    /// Doc comment.
+    pub doc: String,
+    /// SI unit; empty where dimensionless.
+    pub unit: String,
+    /// Default.
+    pub default: f64,
+}
+
+/// An external input.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Name.
+    pub name: String,
+    /// Doc comment.
+    pub doc: String,
+    /// SI unit; empty where dimensionless.
+    pub unit: String,
+    /// Default as a function of time and parameters.
+    pub default: Program,
+}
+
+/// The motion of a link in its joint frame; axes are of unit length.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Motion {
+    /// Rotation about the axis by the coordinate.
+    Revolute {
+        /// Unit axis.
+        axis: NumberVector,
+    },
+    /// Translation along the axis by the coordinate.
+    Prismatic {
+        /// Unit axis.
+        axis: NumberVector,
+    },
+    /// Rotation about the axis by the coordinate, and advance along it.
+    Screw {
+        /// Unit axis.
+        axis: NumberVector,
+        /// Advance per radian (m/rad).
+        pitch: Number,
+    },
+}
+
+/// A coordinate and what acts on it alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Coordinate {
+    /// Name.
+    pub name: String,
+    /// Where it is declared, `file.hdl:line`; empty if unknown.
+    pub source: String,
+    /// Doc comment of its joint.
+    pub doc: String,
+    /// Whether it is a length (m) rather than an angle (rad).
+    pub is_length: bool,
+    /// Start (rad or m).
+    pub start: Number,
+    /// Initial rate.
+    pub velocity: Number,
+    /// Viscous coefficient c of −c·q̇.
+    pub damping: Number,
+    /// Stiffness k of ½k(q − rest)².
+    pub stiffness: Number,
+    /// Rest of the spring.
+    pub rest: Number,
+    /// Range of motion.
+    pub limits: Option<[Number; 2]>,
+    /// Stiffness of elastic limits; zero where limits are only a range.
+    pub limit_stiffness: Number,
+    /// Path as a function of time and parameters: the coordinate is kinematic.
+    pub drive: Option<Program>,
+}
+
+/// A moving body with one coordinate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Link {
+    /// The link it moves on; `None` is the world. Always an earlier link.
+    pub parent: Option<u32>,
+    /// Constant transform `parent_from_joint`.
+    pub parent_from_joint: NumberTransform,
+    /// Motion in the joint frame.
+    pub motion: Motion,
+    /// Its coordinate by index.
+    pub coordinate: u32,
+}
+
+/// A rigid body fixed in a link or in the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// Where it is declared, `file.hdl:line`; empty if unknown.
+    pub source: String,
+    /// The link that carries it; `None` is the world.
+    pub link: Option<u32>,
+    /// Mass (kg).
+    pub mass: Number,
+    /// Centre of mass in link axes (m).
+    pub center: NumberVector,
+    /// Inertia about the centre in link axes: xx yy zz xy xz yz (kg·m²).
+    pub inertia: [Number; 6],
+}
+
+/// A named frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Name.
+    pub name: String,
+    /// The link it is fixed in; `None` is the world.
+    pub link: Option<u32>,
+    /// Constant transform `link_from_frame`.
+    pub link_from_frame: NumberTransform,
+}
+
+/// A point fixed in a link.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// The link; `None` is the world.
+    pub link: Option<u32>,
+    /// Position in link axes (m).
+    pub position: NumberVector,
+}
+
+/// An elastic path, V = ½k(x − x₀)² with x the sum of the distances between its points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Strand {
+    /// Name.
+    pub name: String,
+    /// Where it is declared, `file.hdl:line`; empty if unknown.
+    pub source: String,
+    /// Doc comment.
+    pub doc: String,
+    /// Points in order.
+    pub points: Vec<Point>,
+    /// Stiffness k (N/m).
+    pub stiffness: Number,
+    /// Natural length as a function of time, parameters and inputs; `None`: the length at the start.
+    pub rest: Option<Program>,
+}
+
+/// The form of a constraint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+pub enum ConstraintKind {
+    /// p₁ − p₂ in world axes, one row per axis that is true.
+    Coincident { first: Point, second: Point, axes: [bool; 3] },
+    /// ‖p₁ − p₂‖² − d².
+    Distance { first: Point, second: Point, distance: Number },
+    /// n·(p − c) with n and c fixed in a link.
+    OnPlane { point: Point, through: Point, normal: NumberVector },
+    /// p₁ − p₂ in world axes, then x₁·y₂, y₁·z₂, z₁·x₂.
+    Weld {
+        first: Option<u32>,
+        first_from_frame: NumberTransform,
+        second: Option<u32>,
+        second_from_frame: NumberTransform,
+    },
+    /// A function of coordinates, lengths, parameters and time.
+    Equation(Function),
+}
+
+/// A holonomic constraint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Constraint {
+    /// Name.
+    pub name: String,
+    /// Where it is declared, `file.hdl:line`; empty if unknown.
+    pub source: String,
+    /// Form.
+    pub kind: ConstraintKind,
+}
+
+impl Constraint {
+    /// Names of its rows: empty for a single row, else `.x`, `.xy`, ….
+    pub fn row_suffixes(&self) -> Vec<&'static str> {
+        match &self.kind {
+            ConstraintKind::Coincident { axes, .. } => [".x", ".y", ".z"]
+                .into_iter()
+                .zip(axes)
+                .filter_map(|(name, held)| held.then_some(name))
+                .collect(),
+            ConstraintKind::Weld { .. } => vec![".x", ".y", ".z", ".xy", ".yz", ".zx"],
+            _ => vec![""],
+        }
+    }
+}
+
+/// A generalized force on one coordinate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Torque {
+    /// Name.
+    pub name: String,
+    /// Where it is declared, `file.hdl:line`; empty if unknown.
+    pub source: String,
+    /// The coordinate by index.
+    pub coordinate: u32,
+    /// Its value (N·m or N).
+    pub value: Function,
+}
+
+/// A force at a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Force {
+    /// Name.
+    pub name: String,
+    /// Where it is declared, `file.hdl:line`; empty if unknown.
+    pub source: String,
+    /// Where it acts.
+    pub point: Point,
+    /// Components (N) in the axes of the link `axes`.
+    pub value: [Function; 3],
+    /// The link whose axes the components refer to; `None` is the world.
+    pub axes: Option<u32>,
+}
+
+/// An experiment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Scenario {
+    /// Name.
+    pub name: String,
+    /// Doc comment.
+    pub doc: String,
+    /// Step (s).
+    pub step: Option<Number>,
+    /// Duration (s).
+    pub duration: Option<Number>,
+    /// Relative tolerance.
+    pub tolerance: Option<Number>,
+    /// Parameters set.
+    pub set: Vec<(u32, Number)>,
+    /// Starts overridden, by coordinate.
+    pub start: Vec<(u32, Number)>,
+    /// Initial rates overridden, by coordinate.
+    pub velocity: Vec<(u32, Number)>,
+    /// Inputs as functions of time and parameters.
+    pub inputs: Vec<(u32, Program)>,
+    /// Coordinates driven, as functions of time and parameters.
+    pub drives: Vec<(u32, Program)>,
+    /// Poses: name, and the values that differ from the start.
+    pub poses: Vec<(String, Vec<(u32, Number)>)>,
+    /// Motions: name, and pose and time of each knot.
+    pub motions: Vec<(String, Vec<(u32, Number)>)>,
+    /// Which strands' natural lengths follow which motion.
+    pub follow: Vec<(u32, Vec<u32>)>,
+    /// Extra columns.
+    pub records: Vec<(String, Program)>,
+}
+
+/// A whole model as constant data.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Mechanism {
+    /// Name.
+    pub name: String,
+    /// Doc comment.
+    pub doc: String,
+    /// Parameters.
+    pub params: Vec<Param>,
+    /// Numbers that depend on parameters; read by [`Number::Value`].
+    pub values: Program,
+    /// Inputs.
+    pub inputs: Vec<Input>,
+    /// Gravity in world axes (m/s²).
+    pub gravity: NumberVector,
+    /// Coordinates in declaration order.
+    pub coordinates: Vec<Coordinate>,
+    /// Links, parents first; as many as coordinates.
+    pub links: Vec<Link>,
+    /// Bodies.
+    pub bodies: Vec<Body>,
+    /// Named frames.
+    pub frames: Vec<Frame>,
+    /// Strands.
+    pub strands: Vec<Strand>,
+    /// Constraints.
+    pub constraints: Vec<Constraint>,
+    /// Torques.
+    pub torques: Vec<Torque>,
+    /// Forces.
+    pub forces: Vec<Force>,
+    /// Scenarios.
+    pub scenarios: Vec<Scenario>,
+}

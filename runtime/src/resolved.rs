@@ -1,0 +1,290 @@
+//! A mechanism with its numbers filled in for one scalar type and one set of parameters.
+//!
+//! Every [`Number`] becomes a scalar here, once per change of parameters; bodies of a link are
+//! lumped into one. With symbols as parameters the same code keeps parameters open.
+
+use crate::expression::Variable;
+use crate::mechanism::{
+    ConstraintKind, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
+};
+use crate::vector::{Mat3, Transform, Vec3};
+use handc_core::scalar::Scalar;
+
+/// A unit axis; the coordinate axes are told apart so that rotations about them stay cheap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Axis<S> {
+    /// A coordinate axis: 0, 1 or 2.
+    Principal(usize),
+    /// Any unit vector.
+    General(Vec3<S>),
+}
+
+impl<S: Scalar> Axis<S> {
+    /// As a vector.
+    #[inline]
+    pub fn vector(&self) -> Vec3<S> {
+        match *self {
+            Axis::Principal(i) => {
+                let mut v = Vec3::zero();
+                v.0[i] = S::one();
+                v
+            }
+            Axis::General(v) => v,
+        }
+    }
+    /// Axis × v.
+    #[inline]
+    pub fn cross(&self, v: Vec3<S>) -> Vec3<S> {
+        let [x, y, z] = v.0;
+        match *self {
+            Axis::Principal(0) => Vec3([S::zero(), -z, y]),
+            Axis::Principal(1) => Vec3([z, S::zero(), -x]),
+            Axis::Principal(_) => Vec3([-y, x, S::zero()]),
+            Axis::General(a) => a.cross(v),
+        }
+    }
+    /// Axis · v.
+    #[inline]
+    pub fn dot(&self, v: Vec3<S>) -> S {
+        match *self {
+            Axis::Principal(i) => v.0[i],
+            Axis::General(a) => a.dot(v),
+        }
+    }
+}
+
+/// The motion of a link with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint<S> {
+    /// Unit axis in the joint frame, through its origin.
+    pub axis: Axis<S>,
+    /// Whether it rotates.
+    pub rotates: bool,
+    /// Advance along the axis per unit of the coordinate: 1 for prismatic, the pitch for screw.
+    pub advance: Option<S>,
+    /// Rotation `parent_from_joint`; `None` is the identity.
+    pub rotation: Option<Mat3<S>>,
+    /// Origin of the joint frame in the parent.
+    pub origin: Vec3<S>,
+}
+
+/// The matter of a link, lumped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lump<S> {
+    /// Mass.
+    pub mass: S,
+    /// Centre in link axes.
+    pub center: Vec3<S>,
+    /// λ of the inertia about the centre, λE + D: the part that no rotation changes.
+    pub isotropic: S,
+    /// D by rows in link axes.
+    pub deviator: Mat3<S>,
+    /// Whether D is zero by structure.
+    pub is_isotropic: bool,
+}
+
+/// A strand with its numbers: moving segments, and the length of those that do not move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResolvedStrand<S> {
+    /// Stiffness.
+    pub stiffness: S,
+    /// Sum of the segments within one link.
+    pub constant_length: S,
+    /// End points of the moving segments in their links' axes.
+    pub segments: Vec<(Vec3<S>, Vec3<S>)>,
+}
+
+/// Springs, limits and damping of a coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResolvedCoordinate<S> {
+    /// Viscous coefficient, if any.
+    pub damping: Option<S>,
+    /// Stiffness and rest, if any.
+    pub spring: Option<(S, S)>,
+    /// Stiffness, low and high of elastic limits, if any.
+    pub stops: Option<(S, S, S)>,
+}
+
+/// All numbers of a mechanism over one scalar type.
+#[derive(Clone, Debug)]
+pub struct Resolved<S> {
+    /// Parameters.
+    pub params: Vec<S>,
+    /// Outputs of the parameter program.
+    pub values: Vec<S>,
+    /// Gravity in world axes; `None` if zero.
+    pub gravity: Option<Vec3<S>>,
+    /// Joint of each link.
+    pub joints: Vec<Joint<S>>,
+    /// Lumped matter of each link, if any.
+    pub lumps: Vec<Option<Lump<S>>>,
+    /// Strands.
+    pub strands: Vec<ResolvedStrand<S>>,
+    /// Coordinates.
+    pub coordinates: Vec<ResolvedCoordinate<S>>,
+}
+
+impl<S: Scalar> Resolved<S> {
+    /// Fills in the numbers for the given parameters.
+    pub fn new(mechanism: &Mechanism, params: &[S]) -> Self {
+        let mut scratch = Vec::new();
+        let read = |variable| match variable {
+            Variable::Param(i) => params[i as usize],
+            other => unreachable!("a parameter program reads {other:?}"),
+        };
+        mechanism.values.evaluate(read, &mut scratch);
+        let values =
+            mechanism.values.outputs.iter().map(|&i| scratch[i as usize]).collect::<Vec<S>>();
+        let mut resolved = Resolved {
+            params: params.to_vec(),
+            values,
+            gravity: None,
+            joints: Vec::new(),
+            lumps: Vec::new(),
+            strands: Vec::new(),
+            coordinates: Vec::new(),
+        };
+        if !mechanism.gravity.iter().all(|g| g.is_zero()) {
+            resolved.gravity = Some(resolved.vector(&mechanism.gravity));
+        }
+        resolved.joints = mechanism
+            .links
+            .iter()
+            .map(|link| resolved.joint(&link.motion, &link.parent_from_joint))
+            .collect();
+        resolved.lumps =
+            (0..mechanism.links.len()).map(|link| resolved.lump(mechanism, link as u32)).collect();
+        resolved.strands = mechanism.strands.iter().map(|s| resolved.strand(s)).collect();
+        resolved.coordinates =
+            mechanism.coordinates.iter().map(|c| resolved.coordinate(c)).collect();
+        resolved
+    }
+
+    /// A number as a scalar.
+    #[inline]
+    pub fn number(&self, number: Number) -> S {
+        match number {
+            Number::Constant(value) => S::constant(value),
+            Number::Value(index) => self.values[index as usize],
+        }
+    }
+    /// Three numbers as a vector.
+    pub fn vector(&self, v: &NumberVector) -> Vec3<S> {
+        Vec3(v.map(|x| self.number(x)))
+    }
+    /// A constant transform.
+    pub fn transform(&self, t: &NumberTransform) -> Transform<S> {
+        Transform {
+            rotation: Mat3(t.rotation.map(|row| self.vector(&row).0)),
+            translation: self.vector(&t.translation),
+        }
+    }
+    fn joint(&self, motion: &Motion, parent_from_joint: &NumberTransform) -> Joint<S> {
+        let (axis, rotates, advance) = match motion {
+            Motion::Revolute { axis } => (axis, true, None),
+            Motion::Prismatic { axis } => (axis, false, Some(S::one())),
+            Motion::Screw { axis, pitch } => (axis, true, Some(self.number(*pitch))),
+        };
+        let principal = (0..3).find(|&i| {
+            (0..3).all(|j| axis[j] == Number::Constant(if i == j { 1.0 } else { 0.0 }))
+        });
+        let is_identity = parent_from_joint.rotation == NumberTransform::IDENTITY.rotation;
+        let transform = self.transform(parent_from_joint);
+        Joint {
+            axis: principal.map_or_else(|| Axis::General(self.vector(axis)), Axis::Principal),
+            rotates,
+            advance,
+            rotation: (!is_identity).then_some(transform.rotation),
+            origin: transform.translation,
+        }
+    }
+    fn lump(&self, mechanism: &Mechanism, link: u32) -> Option<Lump<S>> {
+        let bodies: Vec<_> = mechanism.bodies.iter().filter(|b| b.link == Some(link)).collect();
+        if bodies.is_empty() {
+            return None;
+        }
+        let numbers = bodies.iter().map(|b| {
+            (self.number(b.mass), self.vector(&b.center), b.inertia.map(|i| self.number(i)))
+        });
+        if let [only] = bodies.as_slice() {
+            let (mass, center, inertia) = numbers.into_iter().next()?;
+            // The repeated principal moment is the part that a rotation cannot change.
+            let [xx, yy, zz, ..] = only.inertia;
+            let isotropic = if xx == yy || xx == zz { inertia[0] } else { inertia[1] };
+            let is_isotropic = xx == yy && yy == zz && only.inertia[3..].iter().all(|i| i.is_zero());
+            return Some(Lump {
+                mass,
+                center,
+                isotropic,
+                deviator: deviator(inertia, isotropic),
+                is_isotropic,
+            });
+        }
+        let parts: Vec<_> = numbers.collect();
+        let mut mass = S::zero();
+        let mut moment = Vec3::zero();
+        for (m, c, _) in &parts {
+            mass += *m;
+            moment += c.scale(*m);
+        }
+        let center = moment.scale(mass.recip());
+        let mut total = [S::zero(); 6];
+        for (m, c, inertia) in parts {
+            let [x, y, z] = (c - center).0;
+            let shift = [
+                m * (y * y + z * z),
+                m * (x * x + z * z),
+                m * (x * x + y * y),
+                -(m * x * y),
+                -(m * x * z),
+                -(m * y * z),
+            ];
+            for k in 0..6 {
+                total[k] += inertia[k] + shift[k];
+            }
+        }
+        let isotropic = total[1];
+        Some(Lump { mass, center, isotropic, deviator: deviator(total, isotropic), is_isotropic: false })
+    }
+    fn strand(&self, strand: &crate::mechanism::Strand) -> ResolvedStrand<S> {
+        let mut constant_length = S::zero();
+        let mut segments = Vec::new();
+        for pair in strand.points.windows(2) {
+            let (a, b) = (self.vector(&pair[0].position), self.vector(&pair[1].position));
+            if pair[0].link == pair[1].link {
+                constant_length += (b - a).norm_squared().sqrt();
+            } else {
+                segments.push((a, b));
+            }
+        }
+        ResolvedStrand { stiffness: self.number(strand.stiffness), constant_length, segments }
+    }
+    fn coordinate(&self, c: &crate::mechanism::Coordinate) -> ResolvedCoordinate<S> {
+        let some = |n: Number| (!n.is_zero()).then(|| self.number(n));
+        ResolvedCoordinate {
+            damping: some(c.damping),
+            spring: some(c.stiffness).map(|k| (k, self.number(c.rest))),
+            stops: some(c.limit_stiffness)
+                .zip(c.limits)
+                .map(|(k, [low, high])| (k, self.number(low), self.number(high))),
+        }
+    }
+}
+
+fn deviator<S: Scalar>([xx, yy, zz, xy, xz, yz]: [S; 6], isotropic: S) -> Mat3<S> {
+    Mat3([[xx - isotropic, xy, xz], [xy, yy - isotropic, yz], [xz, yz, zz - isotropic]])
+}
+
+/// The points of a constraint that are given by position, for those that walk over constraints.
+pub fn constraint_points(kind: &ConstraintKind) -> Vec<Point> {
+    match kind {
+        ConstraintKind::Coincident { first, second, .. }
+        | ConstraintKind::Distance { first, second, .. } => vec![*first, *second],
+        ConstraintKind::OnPlane { point, through, .. } => vec![*point, *through],
+        ConstraintKind::Weld { first, first_from_frame, second, second_from_frame } => vec![
+            Point { link: *first, position: first_from_frame.translation },
+            Point { link: *second, position: second_from_frame.translation },
+        ],
+        ConstraintKind::Equation(_) => Vec::new(),
+    }
+}

@@ -1,0 +1,400 @@
+//! What can be known of a mechanism without its numbers: chains, paths, blocks.
+//!
+//! Computed once. The kernels branch on it, so that interpreter and staged code follow the same
+//! shape: which link carries the matter of a tree, which joints lie between the two ends of a
+//! segment, which coordinates a step couples.
+
+use crate::expression::{Function, Variable};
+use crate::mechanism::{ConstraintKind, Mechanism, Motion};
+use crate::resolved::constraint_points;
+use handc_core::layout::Block;
+
+/// A step along the path from one end of a segment to the frame in which it is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathStep {
+    /// From the axes of this link to those of its parent.
+    Up(u32),
+    /// From the axes of this link's parent to its own.
+    Down(u32),
+}
+
+impl PathStep {
+    /// The link whose joint is crossed.
+    pub fn link(self) -> u32 {
+        match self {
+            PathStep::Up(link) | PathStep::Down(link) => link,
+        }
+    }
+}
+
+/// A moving segment: the joints between its ends, met in the middle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SegmentPath {
+    /// From the first point's link to the middle.
+    pub first: Vec<PathStep>,
+    /// From the second point's link to the middle.
+    pub second: Vec<PathStep>,
+}
+
+/// A strand's moving segments and the coordinates they span.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StrandPath {
+    /// Coordinates, each once, ascending.
+    pub coordinates: Vec<usize>,
+    /// Moving segments in order.
+    pub segments: Vec<SegmentPath>,
+}
+
+/// A tree of links on the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tree {
+    /// Links, parents first.
+    pub links: Vec<u32>,
+    /// The link in whose axes the tree's momenta are expressed; `None` is the world.
+    pub hub: Option<u32>,
+    /// Links from the root to the hub, hub included.
+    pub trunk: Vec<u32>,
+}
+
+/// The shape of a mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure {
+    /// Coordinates and links, as many of one as of the other.
+    pub count: usize,
+    /// Parent of each link.
+    pub parents: Vec<Option<u32>>,
+    /// Coordinate of each link.
+    pub coordinate_of: Vec<usize>,
+    /// Link of each coordinate.
+    pub link_of: Vec<u32>,
+    /// Whether the link or one below it has matter.
+    pub has_mass_below: Vec<bool>,
+    /// Trees with matter.
+    pub trees: Vec<Tree>,
+    /// Paths of the strands.
+    pub strands: Vec<StrandPath>,
+    /// First row of each constraint; one more entry holds the number of rows.
+    pub first_row: Vec<usize>,
+    /// Links whose world transform is needed by constraints, forces or gravity.
+    pub world_links: Vec<bool>,
+    /// Blocks of the step equations.
+    pub blocks: Vec<Block>,
+    /// Block of each coordinate and its position there; `None` for kinematic ones.
+    pub slots: Vec<Option<(usize, usize)>>,
+    /// Block of each constraint row and its position there; `None` if it holds no dynamic coordinate.
+    pub row_slots: Vec<Option<(usize, usize)>>,
+}
+
+impl Structure {
+    /// Analyses a mechanism.
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let count = mechanism.links.len();
+        let parents: Vec<_> = mechanism.links.iter().map(|l| l.parent).collect();
+        let coordinate_of: Vec<_> =
+            mechanism.links.iter().map(|l| l.coordinate as usize).collect();
+        let mut link_of = vec![0; count];
+        for (link, &coordinate) in coordinate_of.iter().enumerate() {
+            link_of[coordinate] = link as u32;
+        }
+        let mut has_mass_below = vec![false; count];
+        for body in &mechanism.bodies {
+            if let Some(link) = body.link {
+                has_mass_below[link as usize] = true;
+            }
+        }
+        for link in (0..count).rev() {
+            if let (true, Some(parent)) = (has_mass_below[link], parents[link]) {
+                has_mass_below[parent as usize] = true;
+            }
+        }
+        let mut first_row = vec![0];
+        for constraint in &mechanism.constraints {
+            first_row.push(first_row.last().unwrap_or(&0) + constraint.row_suffixes().len());
+        }
+        let mut structure = Structure {
+            count,
+            parents,
+            coordinate_of,
+            link_of,
+            has_mass_below,
+            trees: Vec::new(),
+            strands: Vec::new(),
+            world_links: vec![false; count],
+            blocks: Vec::new(),
+            slots: vec![None; count],
+            row_slots: vec![None; first_row[mechanism.constraints.len()]],
+            first_row,
+        };
+        structure.find_trees(mechanism);
+        structure.strands =
+            mechanism.strands.iter().map(|strand| structure.strand_path(strand)).collect();
+        structure.mark_world_links(mechanism);
+        structure.find_blocks(mechanism);
+        structure
+    }
+
+    /// Links from `link` to the root, `link` first; empty for the world.
+    pub fn chain(&self, link: Option<u32>) -> Vec<u32> {
+        let mut chain = Vec::new();
+        let mut at = link;
+        while let Some(link) = at {
+            chain.push(link);
+            at = self.parents[link as usize];
+        }
+        chain
+    }
+
+    /// Position of (i, j) in a packed matrix, for two coordinates of one block.
+    #[inline]
+    pub fn slot(&self, i: usize, j: usize) -> Option<usize> {
+        let ((block, row), (other, column)) = (self.slots[i]?, self.slots[j]?);
+        if block != other {
+            return None;
+        }
+        let block = &self.blocks[block];
+        Some(block.matrix_offset + row * block.coordinates.len() + column)
+    }
+
+    /// Position of (row, coordinate) in a packed constraint Jacobian.
+    #[inline]
+    pub fn row_slot(&self, row: usize, coordinate: usize) -> Option<usize> {
+        let ((block, i), (other, j)) = (self.row_slots[row]?, self.slots[coordinate]?);
+        if block != other {
+            return None;
+        }
+        let block = &self.blocks[block];
+        Some(block.constraint_offset + i * block.coordinates.len() + j)
+    }
+
+    fn find_trees(&mut self, mechanism: &Mechanism) {
+        let roots: Vec<u32> =
+            (0..self.count as u32).filter(|&l| self.parents[l as usize].is_none()).collect();
+        for root in roots {
+            if !self.has_mass_below[root as usize] {
+                continue;
+            }
+            let links: Vec<u32> = (0..self.count as u32)
+                .filter(|&l| {
+                    self.has_mass_below[l as usize] && self.chain(Some(l)).contains(&root)
+                })
+                .collect();
+            let hub = self.hub(mechanism, root);
+            let mut trunk = self.chain(hub);
+            trunk.reverse();
+            self.trees.push(Tree { links, hub, trunk });
+        }
+    }
+
+    /// The link whose axes make the tree's momenta cheapest: the first with matter or a fork, where
+    /// inertia is constant; for a single body on sliders first, the frame the sliders carry, where
+    /// its linear momentum is constant times its rate.
+    fn hub(&self, mechanism: &Mechanism, root: u32) -> Option<u32> {
+        let children = |link: u32| -> Vec<u32> {
+            (0..self.count as u32)
+                .filter(|&l| {
+                    self.parents[l as usize] == Some(link) && self.has_mass_below[l as usize]
+                })
+                .collect()
+        };
+        let mut anchor = root;
+        loop {
+            let below = children(anchor);
+            if below.len() != 1 || mechanism.bodies.iter().any(|b| b.link == Some(anchor)) {
+                break;
+            }
+            anchor = below[0];
+        }
+        if !children(anchor).is_empty() {
+            return Some(anchor);
+        }
+        let mut slider = None;
+        for &link in self.chain(Some(anchor)).iter().rev() {
+            match mechanism.links[link as usize].motion {
+                Motion::Prismatic { .. } => slider = Some(link),
+                _ => break,
+            }
+        }
+        slider.or(Some(anchor))
+    }
+
+    fn strand_path(&self, strand: &crate::mechanism::Strand) -> StrandPath {
+        let mut coordinates = Vec::new();
+        let mut segments = Vec::new();
+        for pair in strand.points.windows(2) {
+            if pair[0].link == pair[1].link {
+                continue;
+            }
+            let path = self.segment_path(pair[0].link, pair[1].link);
+            for step in path.first.iter().chain(&path.second) {
+                coordinates.push(self.coordinate_of[step.link() as usize]);
+            }
+            segments.push(path);
+        }
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        StrandPath { coordinates, segments }
+    }
+
+    /// The joints between two links, split so that both ends cross about as many.
+    pub fn segment_path(&self, first: Option<u32>, second: Option<u32>) -> SegmentPath {
+        let (mut up, mut down) = (self.chain(first), self.chain(second));
+        while let (Some(a), Some(b)) = (up.last(), down.last()) {
+            if a != b {
+                break;
+            }
+            up.pop();
+            down.pop();
+        }
+        // The whole path from first to second: up to the common ancestor, then down.
+        let whole: Vec<PathStep> = up
+            .iter()
+            .map(|&l| PathStep::Up(l))
+            .chain(down.iter().rev().map(|&l| PathStep::Down(l)))
+            .collect();
+        let middle = whole.len() / 2;
+        let reversed = |step: &PathStep| match *step {
+            PathStep::Up(l) => PathStep::Down(l),
+            PathStep::Down(l) => PathStep::Up(l),
+        };
+        SegmentPath {
+            first: whole[..middle].to_vec(),
+            second: whole[middle..].iter().rev().map(reversed).collect(),
+        }
+    }
+
+    fn mark_world_links(&mut self, mechanism: &Mechanism) {
+        let mut marked = Vec::new();
+        for constraint in &mechanism.constraints {
+            marked.extend(constraint_points(&constraint.kind).iter().map(|p| p.link));
+        }
+        for force in &mechanism.forces {
+            marked.extend([force.point.link, force.axes]);
+        }
+        for link in marked {
+            for link in self.chain(link) {
+                self.world_links[link as usize] = true;
+            }
+        }
+    }
+
+    /// Coordinates that a function of the state moves with.
+    pub fn function_coordinates(&self, function: &Function) -> Vec<usize> {
+        let mut coordinates = Vec::new();
+        for variable in &function.gradient {
+            match *variable {
+                Variable::Coordinate(i) | Variable::Rate(i) => coordinates.push(i as usize),
+                Variable::Length(s) => {
+                    coordinates.extend(&self.strands[s as usize].coordinates);
+                }
+                _ => {}
+            }
+        }
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        coordinates
+    }
+
+    /// Coordinates of the links from `link` to the root.
+    pub fn chain_coordinates(&self, link: Option<u32>) -> Vec<usize> {
+        self.chain(link).iter().map(|&l| self.coordinate_of[l as usize]).collect()
+    }
+
+    /// Coordinates that each row of a constraint moves with.
+    pub fn constraint_coordinates(&self, kind: &ConstraintKind) -> Vec<usize> {
+        let mut coordinates = match kind {
+            ConstraintKind::Equation(function) => self.function_coordinates(function),
+            other => constraint_points(other)
+                .iter()
+                .flat_map(|point| self.chain_coordinates(point.link))
+                .collect(),
+        };
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        coordinates
+    }
+
+    fn find_blocks(&mut self, mechanism: &Mechanism) {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for link in 0..self.count {
+            if self.has_mass_below[link] {
+                groups.push(self.chain_coordinates(Some(link as u32)));
+            }
+        }
+        groups.extend(self.strands.iter().map(|s| s.coordinates.clone()));
+        for torque in &mechanism.torques {
+            let mut group = self.function_coordinates(&torque.value);
+            group.push(torque.coordinate as usize);
+            groups.push(group);
+        }
+        for force in &mechanism.forces {
+            let mut group = self.chain_coordinates(force.point.link);
+            group.extend(self.chain_coordinates(force.axes));
+            for component in &force.value {
+                group.extend(self.function_coordinates(component));
+            }
+            groups.push(group);
+        }
+        let rows: Vec<Vec<usize>> = mechanism
+            .constraints
+            .iter()
+            .map(|c| self.constraint_coordinates(&c.kind))
+            .collect();
+        groups.extend(rows.iter().cloned());
+        let dynamic: Vec<bool> =
+            mechanism.coordinates.iter().map(|c| c.drive.is_none()).collect();
+        for group in &mut groups {
+            group.retain(|&c| dynamic[c]);
+        }
+        let root = components(self.count, &groups);
+        let mut block_of_root = vec![usize::MAX; self.count];
+        for coordinate in (0..self.count).filter(|&c| dynamic[c]) {
+            let block = &mut block_of_root[root[coordinate]];
+            if *block == usize::MAX {
+                *block = self.blocks.len();
+                self.blocks.push(Block {
+                    coordinates: Vec::new(),
+                    rows: Vec::new(),
+                    matrix_offset: 0,
+                    constraint_offset: 0,
+                });
+            }
+            let members = &mut self.blocks[*block].coordinates;
+            self.slots[coordinate] = Some((*block, members.len()));
+            members.push(coordinate);
+        }
+        for (constraint, coordinates) in rows.iter().enumerate() {
+            let Some(first) = coordinates.iter().find(|&&c| dynamic[c]) else { continue };
+            let block = block_of_root[root[*first]];
+            for row in self.first_row[constraint]..self.first_row[constraint + 1] {
+                self.row_slots[row] = Some((block, self.blocks[block].rows.len()));
+                self.blocks[block].rows.push(row);
+            }
+        }
+        let (mut matrix_offset, mut constraint_offset) = (0, 0);
+        for block in &mut self.blocks {
+            block.matrix_offset = matrix_offset;
+            block.constraint_offset = constraint_offset;
+            matrix_offset += block.coordinates.len() * block.coordinates.len();
+            constraint_offset += block.coordinates.len() * block.rows.len();
+        }
+    }
+}
+
+/// Connected components of coordinates that share a group: a representative per coordinate.
+fn components(count: usize, groups: &[Vec<usize>]) -> Vec<usize> {
+    let mut parent: Vec<usize> = (0..count).collect();
+    fn find(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    for group in groups {
+        for pair in group.windows(2) {
+            let (a, b) = (find(&mut parent, pair[0]), find(&mut parent, pair[1]));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    (0..count).map(|i| find(&mut parent, i)).collect()
+}
