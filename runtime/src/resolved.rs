@@ -185,9 +185,8 @@ impl<S: Scalar> Resolved<S> {
             Motion::Prismatic { axis } => (axis, false, Some(S::one())),
             Motion::Screw { axis, pitch } => (axis, true, Some(self.number(*pitch))),
         };
-        let principal = (0..3).find(|&i| {
-            (0..3).all(|j| axis[j] == Number::Constant(if i == j { 1.0 } else { 0.0 }))
-        });
+        let principal = (0..3)
+            .find(|&i| (0..3).all(|j| axis[j] == Number::Constant(if i == j { 1.0 } else { 0.0 })));
         let is_identity = parent_from_joint.rotation == NumberTransform::IDENTITY.rotation;
         let transform = self.transform(parent_from_joint);
         Joint {
@@ -211,7 +210,8 @@ impl<S: Scalar> Resolved<S> {
             // The repeated principal moment is the part that a rotation cannot change.
             let [xx, yy, zz, ..] = only.inertia;
             let isotropic = if xx == yy || xx == zz { inertia[0] } else { inertia[1] };
-            let is_isotropic = xx == yy && yy == zz && only.inertia[3..].iter().all(|i| i.is_zero());
+            let is_isotropic =
+                xx == yy && yy == zz && only.inertia[3..].iter().all(|i| i.is_zero());
             return Some(Lump {
                 mass,
                 center,
@@ -244,7 +244,13 @@ impl<S: Scalar> Resolved<S> {
             }
         }
         let isotropic = total[1];
-        Some(Lump { mass, center, isotropic, deviator: deviator(total, isotropic), is_isotropic: false })
+        Some(Lump {
+            mass,
+            center,
+            isotropic,
+            deviator: deviator(total, isotropic),
+            is_isotropic: false,
+        })
     }
     fn strand(&self, strand: &crate::mechanism::Strand) -> ResolvedStrand<S> {
         let mut constant_length = S::zero();

@@ -90,8 +90,7 @@ impl Structure {
     pub fn new(mechanism: &Mechanism) -> Self {
         let count = mechanism.links.len();
         let parents: Vec<_> = mechanism.links.iter().map(|l| l.parent).collect();
-        let coordinate_of: Vec<_> =
-            mechanism.links.iter().map(|l| l.coordinate as usize).collect();
+        let coordinate_of: Vec<_> = mechanism.links.iter().map(|l| l.coordinate as usize).collect();
         let mut link_of = vec![0; count];
         for (link, &coordinate) in coordinate_of.iter().enumerate() {
             link_of[coordinate] = link as u32;
@@ -174,9 +173,7 @@ impl Structure {
                 continue;
             }
             let links: Vec<u32> = (0..self.count as u32)
-                .filter(|&l| {
-                    self.has_mass_below[l as usize] && self.chain(Some(l)).contains(&root)
-                })
+                .filter(|&l| self.has_mass_below[l as usize] && self.chain(Some(l)).contains(&root))
                 .collect();
             let hub = self.hub(mechanism, root);
             let mut trunk = self.chain(hub);
@@ -334,14 +331,10 @@ impl Structure {
             }
             groups.push(group);
         }
-        let rows: Vec<Vec<usize>> = mechanism
-            .constraints
-            .iter()
-            .map(|c| self.constraint_coordinates(&c.kind))
-            .collect();
+        let rows: Vec<Vec<usize>> =
+            mechanism.constraints.iter().map(|c| self.constraint_coordinates(&c.kind)).collect();
         groups.extend(rows.iter().cloned());
-        let dynamic: Vec<bool> =
-            mechanism.coordinates.iter().map(|c| c.drive.is_none()).collect();
+        let dynamic: Vec<bool> = mechanism.coordinates.iter().map(|c| c.drive.is_none()).collect();
         for group in &mut groups {
             group.retain(|&c| dynamic[c]);
         }

@@ -67,13 +67,8 @@ pub trait Scalar:
     /// The larger of two.
     fn max(self, other: Self) -> Self;
     /// `then` where the comparison holds, else `otherwise`.
-    fn select(
-        comparison: Comparison,
-        left: Self,
-        right: Self,
-        then: Self,
-        otherwise: Self,
-    ) -> Self;
+    fn select(comparison: Comparison, left: Self, right: Self, then: Self, otherwise: Self)
+    -> Self;
 
     /// Zero.
     #[inline]

@@ -1,0 +1,14 @@
+//! The mechanism, its mechanics over a generic scalar, and the interpreter.
+//!
+//! [`mechanism`] is the model as constant data; [`structure`] is what follows from its shape,
+//! [`resolved`] its numbers for given parameters, [`mechanics`] the equations over both. The
+//! integrator and everything around a run live in `handc_core`, which generated crates share.
+
+pub mod expression;
+pub mod mechanics;
+pub mod mechanism;
+pub mod resolved;
+pub mod structure;
+pub mod vector;
+
+pub use handc_core as core;

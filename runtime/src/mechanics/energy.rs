@@ -1,0 +1,38 @@
+//! Potential energy and the mass matrix.
+
+use super::{Mechanics, Workspace};
+use crate::vector::Vec3;
+use handc_core::scalar::Scalar;
+
+impl<S: Scalar> Mechanics<'_, S> {
+    /// Potential energy (J) at q: gravity −m g·p of every body, strands, springs and stops.
+    pub fn potential(&self, workspace: &mut Workspace<S>, q: &[S], rest: &[S]) -> S {
+        self.prepare(workspace, q);
+        let mut energy = self.joint_potential(q);
+        for index in 0..self.numbers.strands.len() {
+            self.strand_length(workspace, q, index, false);
+            let stretch = workspace.strand.lengths[index] - rest[index];
+            energy += (self.numbers.strands[index].stiffness * stretch * stretch).scale(0.5);
+        }
+        let Some(gravity) = self.numbers.gravity else { return energy };
+        self.world_links(workspace, q, |link| self.structure.has_mass_below[link]);
+        for (link, lump) in self.numbers.lumps.iter().enumerate() {
+            if let Some(lump) = lump {
+                let center = workspace.world[link].transform.point(lump.center);
+                energy -= lump.mass * gravity.dot(center);
+            }
+        }
+        for body in self.mechanism.bodies.iter().filter(|b| b.link.is_none()) {
+            let center: Vec3<S> = self.numbers.vector(&body.center);
+            energy -= self.numbers.number(body.mass) * gravity.dot(center);
+        }
+        energy
+    }
+
+    /// Mass matrix at q over the dynamic coordinates, packed by block (kg·m², kg·m or kg).
+    pub fn mass_matrix(&self, workspace: &mut Workspace<S>, q: &[S], matrix: &mut [S]) {
+        matrix.fill(S::zero());
+        self.prepare(workspace, q);
+        self.add_mass_matrix(workspace, q, matrix);
+    }
+}

@@ -1,0 +1,327 @@
+//! Kinetic energy and gravity: momentum of subtrees and screws of joints, one pass down and one up.
+//!
+//! Every quantity of a tree is expressed in the axes of its hub and about its origin
+//! ([`Structure::trees`](crate::structure::Structure)); the sums below do not depend on that choice.
+//! With S_j the screw of joint j, Ṡ_j = V_parent × S_j, I_j the inertia and H_j the momentum of the
+//! subtree of j, and k an ancestor of j or j itself,
+//!
+//! p_j = S_j·H_j, ∂T/∂q_j = Ṡ_j·H_j, F_j = I_j S_j, E_j = I_j Ṡ_j + S_j ×* H_j,
+//! M_jk = S_k·F_j, ∂²T/∂q_j∂q̇_k = S_k·E_j, ∂²T/∂q_k∂q̇_j = Ṡ_k·F_j, ∂²T/∂q_j∂q_k = Ṡ_k·E_j
+//!
+//! (Featherstone 2008, Rigid Body Dynamics Algorithms; Carpentier and Mansard 2018, Analytical
+//! derivatives of rigid body dynamics algorithms).
+
+use super::world::{compose, rotate};
+use super::{Mechanics, Terms, Workspace};
+use crate::resolved::Lump;
+use crate::structure::Tree;
+use crate::vector::{Mat3, Transform, Vec3};
+use handc_core::scalar::Scalar;
+
+/// A motion (angular, linear at the hub's origin) or a force (moment about it, force).
+#[derive(Clone, Copy, Debug)]
+pub struct Spatial<S> {
+    angular: Vec3<S>,
+    linear: Vec3<S>,
+}
+
+impl<S: Scalar> Spatial<S> {
+    fn zero() -> Self {
+        Spatial { angular: Vec3::zero(), linear: Vec3::zero() }
+    }
+    #[inline]
+    fn dot(&self, other: &Self) -> S {
+        self.angular.dot(other.angular) + self.linear.dot(other.linear)
+    }
+    #[inline]
+    fn scale(&self, factor: S) -> Self {
+        Spatial { angular: self.angular.scale(factor), linear: self.linear.scale(factor) }
+    }
+    #[inline]
+    fn plus(&self, other: &Self) -> Self {
+        Spatial { angular: self.angular + other.angular, linear: self.linear + other.linear }
+    }
+    /// Motion × motion.
+    #[inline]
+    fn cross_motion(&self, other: &Self) -> Self {
+        Spatial {
+            angular: self.angular.cross(other.angular),
+            linear: self.angular.cross(other.linear) + self.linear.cross(other.angular),
+        }
+    }
+    /// Motion ×* force.
+    #[inline]
+    fn cross_force(&self, force: &Self) -> Self {
+        Spatial {
+            angular: self.angular.cross(force.angular) + self.linear.cross(force.linear),
+            linear: self.angular.cross(force.linear),
+        }
+    }
+}
+
+/// Inertia of a body or of a subtree about the hub's origin.
+#[derive(Clone, Copy, Debug)]
+struct Inertia<S> {
+    mass: S,
+    /// Mass times centre.
+    moment: Vec3<S>,
+    /// xx yy zz xy xz yz.
+    rotational: [S; 6],
+}
+
+impl<S: Scalar> Inertia<S> {
+    fn zero() -> Self {
+        Inertia { mass: S::zero(), moment: Vec3::zero(), rotational: [S::zero(); 6] }
+    }
+    #[inline]
+    fn add(&mut self, other: &Self) {
+        self.mass += other.mass;
+        self.moment += other.moment;
+        for k in 0..6 {
+            self.rotational[k] += other.rotational[k];
+        }
+    }
+    /// Momentum of the motion.
+    #[inline]
+    fn times(&self, motion: &Spatial<S>) -> Spatial<S> {
+        let [xx, yy, zz, xy, xz, yz] = self.rotational;
+        let rotational = Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+        Spatial {
+            angular: rotational * motion.angular + self.moment.cross(motion.linear),
+            linear: motion.linear.scale(self.mass) - self.moment.cross(motion.angular),
+        }
+    }
+    /// The lump of a link placed in the hub.
+    #[inline]
+    fn of(lump: &Lump<S>, hub_from_link: &Transform<S>) -> Self {
+        let c = hub_from_link.point(lump.center);
+        let moment = c.scale(lump.mass);
+        let [x, y, z] = c.0;
+        let [mx, my, mz] = moment.0;
+        let (xx, yy, zz) = (mx * x, my * y, mz * z);
+        let i = lump.isotropic;
+        let mut rotational =
+            [yy + zz + i, xx + zz + i, xx + yy + i, -(mx * y), -(mx * z), -(my * z)];
+        if !lump.is_isotropic {
+            let r = hub_from_link.rotation;
+            let rd = r * lump.deviator;
+            let entry = |i: usize, j: usize| Vec3(rd.0[i]).dot(Vec3(r.0[j]));
+            for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].iter().enumerate() {
+                rotational[k] += entry(*i, *j);
+            }
+        }
+        Inertia { mass: lump.mass, moment, rotational }
+    }
+}
+
+/// Scratch of one evaluation, per link.
+#[derive(Clone, Debug)]
+pub struct Scratch<S> {
+    hub_from_link: Vec<Transform<S>>,
+    screw: Vec<Spatial<S>>,
+    screw_dot: Vec<Spatial<S>>,
+    velocity: Vec<Spatial<S>>,
+    inertia: Vec<Inertia<S>>,
+    momentum: Vec<Spatial<S>>,
+}
+
+impl<S: Scalar> Scratch<S> {
+    pub(crate) fn new(count: usize) -> Self {
+        Scratch {
+            hub_from_link: vec![Transform::identity(); count],
+            screw: vec![Spatial::zero(); count],
+            screw_dot: vec![Spatial::zero(); count],
+            velocity: vec![Spatial::zero(); count],
+            inertia: vec![Inertia::zero(); count],
+            momentum: vec![Spatial::zero(); count],
+        }
+    }
+}
+
+impl<S: Scalar> Mechanics<'_, S> {
+    /// Adds kinetic energy and gravity.
+    pub(crate) fn add_inertia(
+        &self,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        v: &[S],
+        terms: &mut Terms<S>,
+    ) {
+        for tree in &self.structure.trees {
+            let hub_from_world = self.place_tree(workspace, tree, q);
+            self.move_tree(workspace, tree, v);
+            self.sum_subtrees(workspace, tree);
+            let gravity = self.numbers.gravity.map(|g| hub_from_world * g);
+            for &link in &tree.links {
+                self.add_link(workspace, link, gravity, terms);
+            }
+        }
+    }
+
+    /// The mass matrix at the prepared coordinates, packed.
+    pub(crate) fn add_mass_matrix(&self, workspace: &mut Workspace<S>, q: &[S], matrix: &mut [S]) {
+        for tree in &self.structure.trees {
+            self.place_tree(workspace, tree, q);
+            let zero = vec![S::zero(); self.structure.count];
+            self.move_tree(workspace, tree, &zero);
+            self.sum_subtrees(workspace, tree);
+            let scratch = &workspace.inertia;
+            for &j in &tree.links {
+                let momentum = scratch.inertia[j as usize].times(&scratch.screw[j as usize]);
+                let row = self.structure.coordinate_of[j as usize];
+                let mut at = Some(j);
+                while let Some(k) = at {
+                    let column = self.structure.coordinate_of[k as usize];
+                    let value = scratch.screw[k as usize].dot(&momentum);
+                    for (r, c) in [(row, column), (column, row)] {
+                        if let Some(slot) = self.structure.slot(r, c) {
+                            matrix[slot] = value;
+                        }
+                    }
+                    at = self.structure.parents[k as usize];
+                }
+            }
+        }
+    }
+
+    /// Transforms and screws in the hub; returns the rotation `hub_from_world`.
+    fn place_tree(&self, workspace: &mut Workspace<S>, tree: &Tree, q: &[S]) -> Mat3<S> {
+        let mut hub_from = Transform::identity();
+        for &link in tree.trunk.iter().rev() {
+            let l = link as usize;
+            workspace.inertia.hub_from_link[l] = hub_from;
+            let joint = &self.numbers.joints[l];
+            // Up the trunk: hub_from_parent = hub_from_link · (parent_from_joint · motion)⁻¹.
+            let mut rotation = hub_from.rotation;
+            let mut translation = hub_from.translation;
+            if joint.rotates {
+                let (s, c) = workspace.sin_cos[l];
+                rotation = rotate(rotation, &joint.axis, (-s, c));
+            }
+            if let Some(advance) = joint.advance {
+                let q = q[self.structure.coordinate_of[l]];
+                translation -= (rotation * joint.axis.vector()).scale(q * advance);
+            }
+            if let Some(parent_from_joint) = joint.rotation {
+                rotation = rotation * parent_from_joint.transpose();
+            }
+            translation -= rotation * joint.origin;
+            hub_from = Transform { rotation, translation };
+        }
+        for &link in &tree.links {
+            let l = link as usize;
+            let joint = &self.numbers.joints[l];
+            if !tree.trunk.contains(&link) {
+                let parent = match self.structure.parents[l] {
+                    Some(parent) => workspace.inertia.hub_from_link[parent as usize],
+                    None => hub_from,
+                };
+                let q = q[self.structure.coordinate_of[l]];
+                workspace.inertia.hub_from_link[l] =
+                    compose(&parent, joint, workspace.sin_cos[l], q);
+            }
+            let at = &workspace.inertia.hub_from_link[l];
+            let axis = at.rotation * joint.axis.vector();
+            let mut screw = Spatial::zero();
+            if joint.rotates {
+                screw.angular = axis;
+                screw.linear = at.translation.cross(axis);
+            }
+            if let Some(advance) = joint.advance {
+                screw.linear += axis.scale(advance);
+            }
+            workspace.inertia.screw[l] = screw;
+        }
+        hub_from.rotation
+    }
+
+    /// Velocities of the links and rates of the screws.
+    fn move_tree(&self, workspace: &mut Workspace<S>, tree: &Tree, v: &[S]) {
+        let scratch = &mut workspace.inertia;
+        for &link in &tree.links {
+            let l = link as usize;
+            let parent = self.structure.parents[l]
+                .map_or_else(Spatial::zero, |p| scratch.velocity[p as usize]);
+            let rate = v[self.structure.coordinate_of[l]];
+            scratch.screw_dot[l] = parent.cross_motion(&scratch.screw[l]);
+            scratch.velocity[l] = parent.plus(&scratch.screw[l].scale(rate));
+        }
+    }
+
+    /// Inertia and momentum of every subtree.
+    fn sum_subtrees(&self, workspace: &mut Workspace<S>, tree: &Tree) {
+        let scratch = &mut workspace.inertia;
+        for &link in &tree.links {
+            let l = link as usize;
+            match &self.numbers.lumps[l] {
+                Some(lump) => {
+                    let inertia = Inertia::of(lump, &scratch.hub_from_link[l]);
+                    scratch.momentum[l] = inertia.times(&scratch.velocity[l]);
+                    scratch.inertia[l] = inertia;
+                }
+                None => {
+                    scratch.momentum[l] = Spatial::zero();
+                    scratch.inertia[l] = Inertia::zero();
+                }
+            }
+        }
+        for &link in tree.links.iter().rev() {
+            let l = link as usize;
+            if let Some(parent) = self.structure.parents[l] {
+                let (inertia, momentum) = (scratch.inertia[l], scratch.momentum[l]);
+                scratch.inertia[parent as usize].add(&inertia);
+                scratch.momentum[parent as usize] =
+                    scratch.momentum[parent as usize].plus(&momentum);
+            }
+        }
+    }
+
+    fn add_link(
+        &self,
+        workspace: &Workspace<S>,
+        j: u32,
+        gravity: Option<Vec3<S>>,
+        terms: &mut Terms<S>,
+    ) {
+        let scratch = &workspace.inertia;
+        let l = j as usize;
+        let row = self.structure.coordinate_of[l];
+        let (screw, screw_dot) = (&scratch.screw[l], &scratch.screw_dot[l]);
+        let momentum = &scratch.momentum[l];
+        terms.momentum[row] += screw.dot(momentum);
+        terms.force[row] += screw_dot.dot(momentum);
+        let inertia = &scratch.inertia[l];
+        if let Some(g) = gravity {
+            let weight =
+                Spatial { angular: inertia.moment.cross(g), linear: g.scale(inertia.mass) };
+            terms.force[row] += screw.dot(&weight);
+        }
+        let Some((h, _)) = terms.matrix else { return };
+        if self.structure.slots[row].is_none() {
+            return;
+        }
+        let f = inertia.times(screw);
+        let e = inertia.times(screw_dot).plus(&screw.cross_force(momentum));
+        let (quarter, half) = (h.scale(0.25), S::constant(0.5));
+        let f_by_h = f.scale(-h.recip());
+        let e_quarter = e.scale(quarter);
+        let lean = gravity.map(|g| f.linear.cross(g).scale(quarter));
+        let mut at = Some(j);
+        while let Some(k) = at {
+            let column = self.structure.coordinate_of[k as usize];
+            let (s, s_dot) = (&scratch.screw[k as usize], &scratch.screw_dot[k as usize]);
+            let mut even = s.dot(&f_by_h) + s_dot.dot(&e_quarter);
+            if let Some(lean) = lean {
+                even += s.angular.dot(lean);
+            }
+            if k == j {
+                terms.add(self.structure, row, row, even);
+            } else {
+                let odd = half * (s.dot(&e) - s_dot.dot(&f));
+                terms.add(self.structure, row, column, even + odd);
+                terms.add(self.structure, column, row, even - odd);
+            }
+            at = self.structure.parents[k as usize];
+        }
+    }
+}

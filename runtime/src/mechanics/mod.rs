@@ -1,0 +1,128 @@
+//! The mechanics: discrete Euler-Lagrange residual and Newton matrix over any scalar.
+//!
+//! Written once. [`Mechanics`] borrows a mechanism, its structure and its numbers; each file below
+//! adds one kind of term to the momentum, the force and the Newton matrix
+//!
+//! −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v
+//!
+//! of the midpoint rule. Vectors are indexed by coordinate; matrices are packed by block
+//! ([`Structure::slot`]).
+
+pub mod constraint;
+pub mod energy;
+pub mod force;
+pub mod inertia;
+pub mod joint;
+pub mod segment;
+pub mod strand;
+pub mod world;
+
+use crate::mechanism::Mechanism;
+use crate::resolved::Resolved;
+use crate::structure::Structure;
+use handc_core::scalar::Scalar;
+
+/// A mechanism ready to be evaluated over the scalar `S`.
+#[derive(Clone, Copy, Debug)]
+pub struct Mechanics<'a, S> {
+    /// Constant data.
+    pub mechanism: &'a Mechanism,
+    /// Its shape.
+    pub structure: &'a Structure,
+    /// Its numbers.
+    pub numbers: &'a Resolved<S>,
+}
+
+/// Where forces are evaluated; see `handc_core::model::Midpoint`.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a, S> {
+    /// Coordinates.
+    pub q: &'a [S],
+    /// Rates.
+    pub v: &'a [S],
+    /// Time.
+    pub t: S,
+    /// Natural length of every strand.
+    pub rest: &'a [S],
+    /// Inputs.
+    pub inputs: &'a [S],
+}
+
+/// What an evaluation adds to.
+#[derive(Debug)]
+pub struct Terms<'a, S> {
+    /// Momentum ∂L/∂q̇.
+    pub momentum: &'a mut [S],
+    /// Force ∂L/∂q + F.
+    pub force: &'a mut [S],
+    /// Step and packed Newton matrix, if wanted.
+    pub matrix: Option<(S, &'a mut [S])>,
+}
+
+impl<S: Scalar> Terms<'_, S> {
+    /// Adds `weight(h) · value` at (i, j), if a matrix is wanted and both coordinates are dynamic.
+    #[inline]
+    fn add(&mut self, structure: &Structure, i: usize, j: usize, value: S) {
+        if let (Some((_, matrix)), Some(slot)) = (&mut self.matrix, structure.slot(i, j)) {
+            matrix[slot] += value;
+        }
+    }
+}
+
+/// Scratch space of the kernels, allocated once.
+#[derive(Clone, Debug)]
+pub struct Workspace<S> {
+    pub(crate) sin_cos: Vec<(S, S)>,
+    pub(crate) inertia: inertia::Scratch<S>,
+    pub(crate) strand: strand::Scratch<S>,
+    pub(crate) world: Vec<world::WorldLink<S>>,
+    pub(crate) values: Vec<S>,
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// For a mechanism of the given shape.
+    pub fn new(structure: &Structure) -> Self {
+        Workspace {
+            sin_cos: vec![(S::zero(), S::one()); structure.count],
+            inertia: inertia::Scratch::new(structure.count),
+            strand: strand::Scratch::new(structure),
+            world: vec![world::WorldLink::default(); structure.count],
+            values: Vec::new(),
+        }
+    }
+}
+
+impl<S: Scalar> Mechanics<'_, S> {
+    /// Momentum and force at a midpoint, and the Newton matrix where a step `h` is given.
+    /// All outputs are overwritten.
+    pub fn evaluate(
+        &self,
+        workspace: &mut Workspace<S>,
+        at: &At<S>,
+        momentum: &mut [S],
+        force: &mut [S],
+        matrix: Option<(S, &mut [S])>,
+    ) {
+        momentum.fill(S::zero());
+        force.fill(S::zero());
+        let mut terms = Terms { momentum, force, matrix };
+        if let Some((_, matrix)) = &mut terms.matrix {
+            matrix.fill(S::zero());
+        }
+        self.prepare(workspace, at.q);
+        self.add_inertia(workspace, at.q, at.v, &mut terms);
+        self.add_strands(workspace, at.q, at.rest, &mut terms);
+        self.add_joints(at, &mut terms);
+        self.add_torques(workspace, at, &mut terms);
+        self.add_forces(workspace, at, &mut terms);
+    }
+
+    /// Sine and cosine of every rotating coordinate.
+    pub(crate) fn prepare(&self, workspace: &mut Workspace<S>, q: &[S]) {
+        for (link, joint) in self.numbers.joints.iter().enumerate() {
+            if joint.rotates {
+                workspace.sin_cos[link] = q[self.structure.coordinate_of[link]].sin_cos();
+            }
+        }
+    }
+}
