@@ -22,6 +22,8 @@ pub enum Leaf {
     Step,
     /// The multiplier of a constraint row by index.
     Lambda(u32),
+    /// A number that depends on parameters alone, kept by index.
+    Value(u32),
     /// The length of a strand by index (m), opaque: for expressions that mention it.
     Length(u32),
 }

@@ -46,7 +46,7 @@ pub fn variable(leaf: Leaf) -> Option<Variable> {
         Leaf::Time => Variable::Time,
         Leaf::Lambda(i) => Variable::Multiplier(i),
         Leaf::Length(i) => Variable::Length(i),
-        Leaf::Rest(_) | Leaf::Step => return None,
+        Leaf::Rest(_) | Leaf::Step | Leaf::Value(_) => return None,
     })
 }
 
