@@ -5,5 +5,6 @@
 //! [`model::Model`].
 
 pub mod layout;
+pub mod math;
 pub mod model;
 pub mod scalar;
