@@ -3,8 +3,22 @@
 //! This crate has no dependencies, so that a generated crate builds in seconds. It knows nothing of
 //! text, of expressions or of how a model's equations came about: a model is whatever implements
 //! [`model::Model`].
+//!
+//! [`simulation`] runs a scenario by [`step`]s, a private module does the linear algebra of a
+//! step, [`trajectory`] writes the result, [`runner`] is the command line of it all.
 
+pub mod ensemble;
+pub mod error;
+pub mod frequency;
 pub mod layout;
+pub mod linalg;
 pub mod math;
 pub mod model;
+pub mod motion;
+pub mod runner;
 pub mod scalar;
+pub mod simulation;
+mod solve;
+pub mod start;
+pub mod step;
+pub mod trajectory;

@@ -6,6 +6,7 @@
 //! index means one thing everywhere. Matrices are packed by [`Block`].
 
 use crate::layout::{Layout, ScenarioLayout};
+use std::sync::Arc;
 
 /// Where a step's forces are evaluated: the midpoint rule's point.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +52,7 @@ pub struct Instant<'a> {
 /// n coordinates, s strands, u inputs, m constraint rows; see [`Layout`].
 pub trait Model {
     /// Names, counts and blocks.
-    fn layout(&self) -> &Layout;
+    fn layout(&self) -> &Arc<Layout>;
     /// Values of the parameters in declaration order.
     fn params(&self) -> &[f64];
     /// Sets a parameter by index.

@@ -1,0 +1,97 @@
+//! Why a run failed, in the model's own names.
+
+use std::fmt;
+
+/// A step that could not be taken. The state before it is untouched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepError {
+    /// What went wrong.
+    pub kind: StepErrorKind,
+    /// Time at the start of the step (s).
+    pub t: f64,
+    /// Number of the step, from 1.
+    pub step: usize,
+    /// Name of the coordinate or constraint row whose equation is worst.
+    pub equation: String,
+    /// Its residual: an impulse (N·s or N·m·s) for a coordinate, a gap for a constraint.
+    pub residual: f64,
+    /// A lower bound of the condition number of the last Newton matrix.
+    pub condition: f64,
+    /// Newton iterations spent, over all guesses.
+    pub iterations: usize,
+    /// What to try.
+    pub hints: Vec<String>,
+}
+
+/// The ways a step can fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepErrorKind {
+    /// Newton's method found no solution from any guess.
+    NoConvergence,
+    /// The Newton matrix is singular.
+    Singular,
+    /// The equations gave a value that is not finite at the state itself.
+    NotFinite,
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let what = match self.kind {
+            StepErrorKind::NoConvergence => "the step did not converge",
+            StepErrorKind::Singular => "the step's equations are singular",
+            StepErrorKind::NotFinite => "the step's equations are not finite",
+        };
+        write!(
+            f,
+            "{what} at t = {} s (step {}): worst equation `{}`, residual {:.3e}, \
+             condition at least {:.1e}, {} Newton iterations",
+            self.t, self.step, self.equation, self.residual, self.condition, self.iterations
+        )?;
+        for hint in &self.hints {
+            write!(f, "\n  try: {hint}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for StepError {}
+
+/// Why a run ended early or could not begin.
+#[derive(Debug)]
+pub enum RunError {
+    /// The command line or the options do not fit the model (exit code 2).
+    Usage(String),
+    /// The start cannot be put on the constraints, or is not finite (exit code 3).
+    Start(String),
+    /// A step failed (exit code 3).
+    Step(StepError),
+    /// A file could not be written (exit code 3).
+    Io(String),
+}
+
+impl RunError {
+    /// The process's exit code.
+    pub fn exit_code(&self) -> i32 {
+        match self {
+            RunError::Usage(_) => 2,
+            _ => 3,
+        }
+    }
+}
+
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            RunError::Usage(text) | RunError::Start(text) | RunError::Io(text) => f.write_str(text),
+            RunError::Step(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for RunError {}
+
+impl From<StepError> for RunError {
+    fn from(error: StepError) -> Self {
+        RunError::Step(error)
+    }
+}

@@ -1,0 +1,208 @@
+//! The command line of a run, shared by `handc run` and by every generated crate.
+
+use crate::ensemble;
+use crate::error::RunError;
+use crate::model::Model;
+use crate::simulation::{Settings, Simulation};
+use crate::trajectory::Trajectory;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Options of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunOptions {
+    /// Scenario, parameters, step and duration.
+    pub settings: Settings,
+    /// Result file.
+    pub out: Option<PathBuf>,
+    /// A row for every N-th step.
+    pub every: usize,
+    /// An ensemble instead of a single run.
+    pub ensemble: Option<ensemble::Plan>,
+}
+
+/// The options as text, for a usage message.
+pub const OPTIONS: &str = "\
+  --scenario S          which scenario; a single one needs no name
+  --out F.csv           write the trajectory; without it nothing is written
+  --every N             a row for every N-th step (default 1)
+  --set PARAM=VALUE     set a parameter (SI units); may be repeated
+  --step SECONDS        step instead of the scenario's
+  --duration SECONDS    duration instead of the scenario's
+  --instances N         run N copies
+  --threads T           on T threads (default: all cores)
+  --spread PARAM=LO:HI  spread a parameter evenly over the copies; may be repeated
+  --spread start=SIGMA  spread the start normally (rad or m), by a fixed seed";
+
+impl RunOptions {
+    /// Reads options; an error says what is wrong with them.
+    pub fn parse(arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+        let mut options = RunOptions { every: 1, ..RunOptions::default() };
+        let mut instances = None;
+        let mut threads = None;
+        let mut spread = Vec::new();
+        let mut arguments = arguments.peekable();
+        while let Some(argument) = arguments.next() {
+            let (name, attached) = match argument.split_once('=') {
+                Some((name, value)) if name.starts_with("--") => {
+                    (name.to_string(), Some(value.to_string()))
+                }
+                _ => (argument.clone(), None),
+            };
+            let mut value = || {
+                attached
+                    .clone()
+                    .or_else(|| arguments.next())
+                    .ok_or_else(|| format!("`{name}` needs a value"))
+            };
+            match name.as_str() {
+                "--scenario" => options.settings.scenario = Some(value()?),
+                "--out" => options.out = Some(PathBuf::from(value()?)),
+                "--every" => options.every = count("--every", &value()?)?,
+                "--set" => options.settings.set.push(assignment(&value()?)?),
+                "--step" => options.settings.step = Some(number("--step", &value()?)?),
+                "--duration" => {
+                    options.settings.duration = Some(number("--duration", &value()?)?);
+                }
+                "--instances" => instances = Some(count("--instances", &value()?)?),
+                "--threads" => threads = Some(count("--threads", &value()?)?),
+                "--spread" => spread.push(ensemble::Spread::parse(&value()?)?),
+                other => return Err(format!("unknown option `{other}`\n\n{OPTIONS}")),
+            }
+        }
+        if let Some(instances) = instances {
+            options.ensemble = Some(ensemble::Plan { instances, threads, spread });
+        } else if threads.is_some() || !spread.is_empty() {
+            return Err("`--threads` and `--spread` need `--instances N`".into());
+        }
+        Ok(options)
+    }
+}
+
+fn number(name: &str, text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| format!("`{name}` needs a number, not `{text}`"))
+}
+
+fn count(name: &str, text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(value) if value > 0 => Ok(value),
+        _ => Err(format!("`{name}` needs a positive whole number, not `{text}`")),
+    }
+}
+
+fn assignment(text: &str) -> Result<(String, f64), String> {
+    let (name, value) =
+        text.split_once('=').ok_or_else(|| format!("`--set` needs PARAM=VALUE, not `{text}`"))?;
+    Ok((name.trim().to_string(), number("--set", value.trim())?))
+}
+
+/// What a caller may watch and stop.
+pub trait Observer {
+    /// Called after every step with steps taken and steps in all; `false` ends the run cleanly.
+    fn advanced(&mut self, step: usize, steps: usize) -> bool;
+    /// A message for the user.
+    fn note(&mut self, text: &str) {
+        eprintln!("{text}");
+    }
+}
+
+/// Nobody watches.
+#[derive(Debug)]
+pub struct Unwatched;
+
+impl Observer for Unwatched {
+    fn advanced(&mut self, _step: usize, _steps: usize) -> bool {
+        true
+    }
+}
+
+/// Runs a scenario and reports on standard error. Whatever was computed is on disk when this
+/// returns, with an error too.
+pub fn run<M: Model + Clone + Send + Sync>(
+    model: M,
+    options: &RunOptions,
+    observer: &mut impl Observer,
+) -> Result<(), RunError> {
+    if let Some(plan) = &options.ensemble {
+        return ensemble::run(&model, options, plan, observer);
+    }
+    let mut simulation = Simulation::new(model, &options.settings)?;
+    if simulation.start_moved > 1e-6 {
+        observer.note(&format!(
+            "note: the start was moved onto the constraints by up to {:.3e} (rad or m)",
+            simulation.start_moved
+        ));
+    }
+    let mut trajectory = match &options.out {
+        Some(path) => Some(Trajectory::create(path, &simulation)?),
+        None => None,
+    };
+    if let Some(trajectory) = &mut trajectory {
+        trajectory.record(&mut simulation)?;
+    }
+    let steps = simulation.steps;
+    let mut wall = std::time::Duration::ZERO;
+    let mut outcome = Ok(());
+    let mut since = Instant::now();
+    for step in 1..=steps {
+        outcome = simulation.step();
+        if outcome.is_err() {
+            break;
+        }
+        if let Some(trajectory) = &mut trajectory
+            && step % options.every == 0
+        {
+            wall += since.elapsed();
+            outcome = trajectory.record(&mut simulation);
+            since = Instant::now();
+            if outcome.is_err() {
+                break;
+            }
+        }
+        if !observer.advanced(step, steps) {
+            observer.note(&format!("stopped at t = {} s", simulation.state.t));
+            break;
+        }
+    }
+    wall += since.elapsed();
+    if let Some(trajectory) = &mut trajectory {
+        trajectory.flush()?;
+    }
+    let taken = simulation.state.step;
+    observer.note(&summary(taken, wall.as_secs_f64(), simulation.iterations()));
+    outcome
+}
+
+/// The line that ends every run.
+pub fn summary(steps: usize, wall: f64, iterations: usize) -> String {
+    let each = steps.max(1) as f64;
+    format!(
+        "steps {steps}  wall {wall:.4} s  us/step {:.2}  newton/step {:.2}",
+        wall * 1e6 / each,
+        iterations as f64 / each
+    )
+}
+
+/// The main function of a generated crate's runner: reads the command line, runs, and returns the
+/// exit code: 0 done, 2 the command line is wrong, 3 the run failed.
+pub fn main<M: Model + Clone + Send + Sync>(model: M) -> i32 {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.iter().any(|a| a == "--help" || a == "-h") {
+        println!("Runs the model `{}`.\n\nOptions:\n{OPTIONS}", model.layout().name);
+        return 0;
+    }
+    let options = match RunOptions::parse(arguments.into_iter()) {
+        Ok(options) => options,
+        Err(message) => {
+            eprintln!("error: {message}");
+            return 2;
+        }
+    };
+    match run(model, &options, &mut Unwatched) {
+        Ok(()) => 0,
+        Err(error) => {
+            eprintln!("error: {error}");
+            error.exit_code()
+        }
+    }
+}

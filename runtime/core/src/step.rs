@@ -1,0 +1,512 @@
+//! One step of the midpoint variational integrator.
+//!
+//! Unknown is the increment Δq = q1 − q0, not q1: its rounding is that of the motion within a step,
+//! so that a residual far below ε·‖q‖‖M‖/h can be reached. The equations are
+//!
+//! p0 + (h/2)·f(q_mid, v_mid) − p(q_mid, v_mid) − Dh(q0)ᵀλ = 0,  h(q1) = 0,
+//!
+//! with p = ∂L/∂q̇ and f = ∂L/∂q + F; then p1 = p + (h/2)·f, which the last evaluation already
+//! holds. Newton starts from the quadratic through the last three configurations, so that a smooth
+//! motion needs one iteration.
+
+use crate::error::{StepError, StepErrorKind};
+use crate::layout::{CoordinateKind, Layout};
+use crate::model::{Midpoint, Model};
+use crate::solve::BlockSystem;
+
+/// Residuals below this many units of rounding of their own equation are converged.
+const FLOOR: f64 = 16.0 * f64::EPSILON;
+/// A Newton correction below this, relative to its coordinate, that no longer lowers the residual
+/// has reached the floor.
+const STAGNATION: f64 = 1e-12;
+/// Newton iterations per guess.
+const MAX_ITERATIONS: usize = 40;
+
+/// The state of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Steps taken.
+    pub step: usize,
+    /// Time (s).
+    pub t: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Discrete momenta; zero for kinematic and driven coordinates.
+    pub p: Vec<f64>,
+    /// Rates of the step just ended; the initial ones before the first.
+    pub v: Vec<f64>,
+    /// Multipliers of the step just ended (impulses).
+    pub lambda: Vec<f64>,
+    /// Increments of the last two steps, latest first.
+    history: [Vec<f64>; 2],
+}
+
+impl State {
+    /// A state at time zero.
+    pub fn new(q: Vec<f64>, p: Vec<f64>, v: Vec<f64>, rows: usize) -> Self {
+        let history = [vec![0.0; q.len()], vec![0.0; q.len()]];
+        State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], history }
+    }
+}
+
+/// What the world does during a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Step (s).
+    pub h: f64,
+    /// Time at the end of the step (s).
+    pub t1: f64,
+    /// Inputs at the middle of the step.
+    pub inputs: &'a [f64],
+    /// Natural lengths at the middle of the step (m).
+    pub rest: &'a [f64],
+    /// Coordinates at the end of the step; only those of driven coordinates are read.
+    pub driven_q: &'a [f64],
+}
+
+/// Takes steps; owns all scratch space, so that a step allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    blocks: Vec<BlockSystem>,
+    driven: Vec<bool>,
+    floor_scale: Vec<f64>,
+    /// Relative tolerance on momenta; rounding sets the floor below it.
+    pub tolerance: f64,
+    /// Newton iterations since the beginning.
+    pub iterations: usize,
+    delta: Vec<f64>,
+    trial: Vec<f64>,
+    lambda: Vec<f64>,
+    trial_lambda: Vec<f64>,
+    q1: Vec<f64>,
+    q_mid: Vec<f64>,
+    v_mid: Vec<f64>,
+    momentum: Vec<f64>,
+    force: Vec<f64>,
+    matrix: Vec<f64>,
+    g0: Vec<f64>,
+    g1: Vec<f64>,
+    gap: Vec<f64>,
+    residual: Vec<f64>,
+    scale: Vec<f64>,
+    row_scale: Vec<f64>,
+    newton: Vec<f64>,
+    newton_lambda: Vec<f64>,
+    block_step: Vec<f64>,
+    block_lambda: Vec<f64>,
+    condition: f64,
+}
+
+/// How an attempt from one guess ended.
+enum Attempt {
+    Converged,
+    Failed,
+    NotFinite,
+    Singular(usize),
+}
+
+impl Stepper {
+    /// For a model whose coordinates marked in `driven` (kinematic ones, and those a scenario
+    /// drives) have their path given.
+    pub fn new(layout: &Layout, driven: &[bool], tolerance: f64) -> Self {
+        let (n, m) = (layout.coordinates.len(), layout.rows.len());
+        let floor_scale = layout
+            .coordinates
+            .iter()
+            .map(|c| match c.kind {
+                CoordinateKind::Angle => 1.0,
+                CoordinateKind::Length => layout.length_scale,
+            })
+            .collect();
+        Stepper {
+            blocks: layout.blocks.iter().map(|b| BlockSystem::new(b, driven)).collect(),
+            driven: driven.to_vec(),
+            floor_scale,
+            tolerance,
+            iterations: 0,
+            delta: vec![0.0; n],
+            trial: vec![0.0; n],
+            lambda: vec![0.0; m],
+            trial_lambda: vec![0.0; m],
+            q1: vec![0.0; n],
+            q_mid: vec![0.0; n],
+            v_mid: vec![0.0; n],
+            momentum: vec![0.0; n],
+            force: vec![0.0; n],
+            matrix: vec![0.0; layout.matrix_size()],
+            g0: vec![0.0; layout.constraint_size()],
+            g1: vec![0.0; layout.constraint_size()],
+            gap: vec![0.0; m],
+            residual: vec![0.0; n],
+            scale: vec![0.0; n],
+            row_scale: vec![0.0; m],
+            newton: vec![0.0; n],
+            newton_lambda: vec![0.0; m],
+            block_step: vec![0.0; n],
+            block_lambda: vec![0.0; m],
+            condition: f64::NAN,
+        }
+    }
+
+    /// Takes one step. On an error the state is untouched.
+    pub fn step<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &mut State,
+        around: &Surroundings,
+    ) -> Result<(), StepError> {
+        let before = self.iterations;
+        if !self.lambda.is_empty() {
+            model.constraint_jacobian(&state.q, state.t, &mut self.g0);
+        }
+        let mut last = Attempt::Failed;
+        for guess in 0..4 {
+            self.guess(guess, state, around);
+            last = self.attempt(model, state, around);
+            match last {
+                Attempt::Converged => {
+                    self.accept(state, around);
+                    return Ok(());
+                }
+                Attempt::Singular(_) if guess >= 1 => break,
+                _ => {}
+            }
+        }
+        Err(self.report(model, state, around, last, self.iterations - before))
+    }
+
+    fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
+        let [last, before] = &state.history;
+        let quadratic = state.step >= 2;
+        for i in 0..self.delta.len() {
+            self.delta[i] = if self.driven[i] {
+                around.driven_q[i] - state.q[i]
+            } else {
+                match number {
+                    0 if quadratic => 2.0 * last[i] - before[i],
+                    0 | 1 => state.v[i] * around.h,
+                    2 => 0.0,
+                    _ => 0.5 * state.v[i] * around.h,
+                }
+            };
+        }
+        if number <= 2 {
+            self.lambda.copy_from_slice(&state.lambda);
+        } else {
+            self.lambda.fill(0.0);
+        }
+    }
+
+    fn attempt<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+    ) -> Attempt {
+        self.evaluate(model, state, around, true);
+        self.set_scales(state);
+        let mut merit = self.merit(state, around);
+        if !merit.is_finite() {
+            return Attempt::NotFinite;
+        }
+        for iteration in 0..MAX_ITERATIONS {
+            if merit <= 1.0 {
+                return Attempt::Converged;
+            }
+            if iteration > 0 {
+                self.evaluate(model, state, around, true);
+                self.set_scales(state);
+                merit = self.merit(state, around);
+            }
+            self.iterations += 1;
+            if let Err(coordinate) = self.newton_step(around) {
+                return Attempt::Singular(coordinate);
+            }
+            let correction = self.correction_size(state);
+            if !correction.is_finite() {
+                return Attempt::NotFinite;
+            }
+            self.trial.copy_from_slice(&self.delta);
+            self.trial_lambda.copy_from_slice(&self.lambda);
+            let mut fraction = 1.0;
+            loop {
+                for i in 0..self.delta.len() {
+                    self.delta[i] = self.trial[i] + fraction * self.newton[i];
+                }
+                for i in 0..self.lambda.len() {
+                    let change = self.newton_lambda[i] - self.trial_lambda[i];
+                    self.lambda[i] = self.trial_lambda[i] + fraction * change;
+                }
+                self.evaluate(model, state, around, false);
+                let next = self.merit(state, around);
+                if next <= 1.0 || next < merit * (1.0 - 1e-4 * fraction) {
+                    merit = next;
+                    break;
+                }
+                if correction <= STAGNATION && next.is_finite() {
+                    // The residual no longer falls and the correction is rounding: the floor.
+                    return Attempt::Converged;
+                }
+                fraction *= 0.5;
+                if fraction < 1e-3 {
+                    return Attempt::Failed;
+                }
+            }
+        }
+        if merit <= 1.0 { Attempt::Converged } else { Attempt::Failed }
+    }
+
+    fn evaluate<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+        with_matrix: bool,
+    ) {
+        let h = around.h;
+        for i in 0..self.delta.len() {
+            self.q_mid[i] = state.q[i] + 0.5 * self.delta[i];
+            self.v_mid[i] = self.delta[i] / h;
+            self.q1[i] = state.q[i] + self.delta[i];
+        }
+        let at = Midpoint {
+            q: &self.q_mid,
+            v: &self.v_mid,
+            t: 0.5 * (state.t + around.t1),
+            rest: around.rest,
+            inputs: around.inputs,
+        };
+        if with_matrix {
+            let matrix = &mut self.matrix;
+            model.evaluate_with_matrix(&at, h, &mut self.momentum, &mut self.force, matrix);
+        } else {
+            model.evaluate(&at, &mut self.momentum, &mut self.force);
+        }
+        if !self.lambda.is_empty() {
+            model.constraints(&self.q1, around.t1, &mut self.gap);
+            if with_matrix {
+                model.constraint_jacobian(&self.q1, around.t1, &mut self.g1);
+            }
+        }
+        for block in &self.blocks {
+            for (i, &c) in block.coordinates.iter().enumerate() {
+                let mut r = state.p[c] + 0.5 * h * self.force[c] - self.momentum[c];
+                for (row, &global) in block.rows.iter().enumerate() {
+                    r -= block.constraint_entry(&self.g0, row, i) * self.lambda[global];
+                }
+                self.residual[c] = r;
+            }
+        }
+    }
+
+    /// What one unit of rounding in the coordinates does to each equation.
+    fn set_scales(&mut self, state: &State) {
+        for block in &self.blocks {
+            let size = |c: usize| state.q[c].abs().max(self.floor_scale[c]);
+            for (i, &c) in block.coordinates.iter().enumerate() {
+                let row: f64 = block
+                    .coordinates
+                    .iter()
+                    .enumerate()
+                    .map(|(k, &other)| block.entry(&self.matrix, i, k).abs() * size(other))
+                    .sum();
+                let pull: f64 = block
+                    .rows
+                    .iter()
+                    .enumerate()
+                    .map(|(k, &row)| {
+                        (block.constraint_entry(&self.g0, k, i) * self.lambda[row]).abs()
+                    })
+                    .sum();
+                self.scale[c] = FLOOR * (row + pull + state.p[c].abs());
+            }
+            for (k, &row) in block.rows.iter().enumerate() {
+                self.row_scale[row] = FLOOR
+                    * block
+                        .coordinates
+                        .iter()
+                        .enumerate()
+                        .map(|(i, &c)| block.constraint_entry(&self.g1, k, i).abs() * size(c))
+                        .sum::<f64>();
+            }
+        }
+    }
+
+    /// Largest residual in units of its tolerance; NaN where any is not a number.
+    fn merit(&self, state: &State, around: &Surroundings) -> f64 {
+        let mut worst = 0.0;
+        // Once not a number, always not a number.
+        let mut keep = |ratio: f64| {
+            if !(worst >= ratio) && !f64::is_nan(worst) {
+                worst = ratio;
+            }
+        };
+        for block in &self.blocks {
+            for &c in &block.coordinates {
+                let (r, size) = self.equation(c, state, around);
+                keep(ratio(r, size));
+            }
+            for &row in &block.rows {
+                keep(ratio(self.gap[row], self.row_scale[row]));
+            }
+        }
+        worst
+    }
+
+    /// Residual of a coordinate's equation and its tolerance.
+    fn equation(&self, c: usize, state: &State, around: &Surroundings) -> (f64, f64) {
+        let impulse = 0.5 * around.h * self.force[c];
+        let asked = self.tolerance * (state.p[c].abs() + self.momentum[c].abs() + impulse.abs());
+        (self.residual[c].abs(), self.scale[c].max(asked))
+    }
+
+    fn newton_step(&mut self, _around: &Surroundings) -> Result<(), usize> {
+        self.condition = 0.0;
+        self.newton.fill(0.0);
+        self.newton_lambda.fill(0.0);
+        for block in &mut self.blocks {
+            let (n, m) = (block.coordinates.len(), block.rows.len());
+            let step = &mut self.block_step[..n];
+            let lambda = &mut self.block_lambda[..m];
+            for (i, &c) in block.coordinates.iter().enumerate() {
+                // The residual at λ = 0: the solve gives the whole multiplier.
+                let mut r = self.residual[c];
+                for (row, &global) in block.rows.iter().enumerate() {
+                    r += block.constraint_entry(&self.g0, row, i) * self.lambda[global];
+                }
+                step[i] = r;
+            }
+            for (k, &row) in block.rows.iter().enumerate() {
+                lambda[k] = self.gap[row];
+            }
+            match block.solve(&self.matrix, &self.g0, &self.g1, step, lambda) {
+                Ok(pivots) => self.condition = self.condition.max(pivots.condition()),
+                Err(singular) => {
+                    self.condition = f64::INFINITY;
+                    return Err(singular.coordinate);
+                }
+            }
+            for (i, &c) in block.coordinates.iter().enumerate() {
+                self.newton[c] = step[i];
+            }
+            for (k, &row) in block.rows.iter().enumerate() {
+                self.newton_lambda[row] = lambda[k];
+            }
+        }
+        Ok(())
+    }
+
+    fn correction_size(&self, state: &State) -> f64 {
+        let mut worst = 0.0;
+        for block in &self.blocks {
+            for &c in &block.coordinates {
+                let size = self.newton[c].abs() / state.q[c].abs().max(self.floor_scale[c]);
+                if !(worst >= size) && !f64::is_nan(worst) {
+                    worst = size;
+                }
+            }
+        }
+        worst
+    }
+
+    fn accept(&mut self, state: &mut State, around: &Surroundings) {
+        for i in 0..self.delta.len() {
+            state.q[i] = self.q1[i];
+            state.v[i] = self.v_mid[i];
+            state.p[i] = if self.driven[i] {
+                0.0
+            } else {
+                self.momentum[i] + 0.5 * around.h * self.force[i]
+            };
+        }
+        // A driven coordinate ends exactly where it was told to.
+        for i in (0..self.delta.len()).filter(|&i| self.driven[i]) {
+            state.q[i] = around.driven_q[i];
+        }
+        state.lambda.copy_from_slice(&self.lambda);
+        state.history.swap(0, 1);
+        state.history[0].copy_from_slice(&self.delta);
+        state.t = around.t1;
+        state.step += 1;
+    }
+
+    fn report<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+        last: Attempt,
+        iterations: usize,
+    ) -> StepError {
+        // Evaluate where the step began, so that the numbers reported are the model's own.
+        self.guess(2, state, around);
+        self.evaluate(model, state, around, true);
+        self.set_scales(state);
+        let layout = model.layout();
+        let mut worst = (0.0, String::from("none"), 0.0);
+        for block in &self.blocks {
+            for &c in &block.coordinates {
+                let (r, size) = self.equation(c, state, around);
+                let found = ratio(r, size);
+                if !(found <= worst.0) {
+                    worst = (found, layout.coordinates[c].name.clone(), r);
+                }
+            }
+            for &row in &block.rows {
+                let found = ratio(self.gap[row], self.row_scale[row]);
+                if !(found <= worst.0) {
+                    worst = (found, layout.rows[row].name.clone(), self.gap[row]);
+                }
+            }
+        }
+        let mut hints = Vec::new();
+        let kind = match last {
+            Attempt::Singular(coordinate) => {
+                let name = &layout.coordinates[coordinate].name;
+                worst.1 = name.clone();
+                hints.push(format!(
+                    "give `{name}` mass or stiffness: neither a mass, a strand nor a constraint \
+                     determines it here"
+                ));
+                StepErrorKind::Singular
+            }
+            _ if !worst.0.is_finite() => {
+                hints.push(
+                    "look for coincident path points or a division by zero in an expression"
+                        .to_string(),
+                );
+                StepErrorKind::NotFinite
+            }
+            _ => StepErrorKind::NoConvergence,
+        };
+        if kind == StepErrorKind::NoConvergence {
+            let fastest = crate::frequency::fastest(model, &state.q, around);
+            if let Some(omega) = fastest.filter(|omega| omega * around.h > 0.5) {
+                hints.push(format!(
+                    "a smaller step: the stiffest motion has h·ω = {:.2} (ω = {omega:.0} rad/s); \
+                     h = {:.1e} s brings it to 0.5",
+                    around.h * omega,
+                    0.5 / omega
+                ));
+            } else {
+                hints.push(format!("a smaller step than {} s", around.h));
+            }
+            hints.push("drives, inputs and motions that begin without a jump".to_string());
+        }
+        StepError {
+            kind,
+            t: state.t,
+            step: state.step + 1,
+            equation: worst.1,
+            residual: worst.2,
+            condition: self.condition,
+            iterations,
+            hints,
+        }
+    }
+}
+
+/// |r| in units of its tolerance; an equation without any scale must hold exactly.
+fn ratio(r: f64, size: f64) -> f64 {
+    if r == 0.0 { 0.0 } else { r.abs() / size.max(f64::MIN_POSITIVE) }
+}

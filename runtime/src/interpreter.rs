@@ -1,0 +1,288 @@
+//! The interpreter: the mechanics over `f64` behind the trait that the integrator runs.
+//!
+//! A generated crate answers the same trait with straight-line code; this file is what it must
+//! agree with.
+
+use crate::expression::{Program, Variable};
+use crate::mechanics::{At, Mechanics, Workspace};
+use crate::mechanism::{Mechanism, Number};
+use crate::resolved::Resolved;
+use crate::structure::Structure;
+use crate::vector::Transform;
+use handc_core::layout::{
+    ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Quantity, ScenarioLayout, Strand,
+};
+use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
+use std::sync::Arc;
+
+/// A mechanism that runs.
+#[derive(Clone, Debug)]
+pub struct Interpreter {
+    mechanism: Arc<Mechanism>,
+    structure: Arc<Structure>,
+    layout: Arc<Layout>,
+    numbers: Resolved<f64>,
+    workspace: Workspace<f64>,
+    scratch: Vec<f64>,
+}
+
+impl Interpreter {
+    /// Prepares a mechanism with its default parameters.
+    pub fn new(mechanism: Arc<Mechanism>) -> Self {
+        let structure = Arc::new(Structure::new(&mechanism));
+        let params: Vec<f64> = mechanism.params.iter().map(|p| p.default).collect();
+        Interpreter {
+            layout: Arc::new(layout(&mechanism, &structure)),
+            numbers: Resolved::new(&mechanism, &params),
+            workspace: Workspace::new(&structure),
+            scratch: Vec::new(),
+            mechanism,
+            structure,
+        }
+    }
+
+    /// The mechanism.
+    pub fn mechanism(&self) -> &Arc<Mechanism> {
+        &self.mechanism
+    }
+    /// Its shape.
+    pub fn structure(&self) -> &Arc<Structure> {
+        &self.structure
+    }
+    /// Moment arms ∂length/∂q at q (m/rad or 1), s × n by rows.
+    pub fn moment_arms(&mut self, q: &[f64], length_dq: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.moment_arms(workspace, q, length_dq);
+    }
+    /// Transforms `world_from_frame` of the named frames, in the mechanism's order.
+    pub fn frame_poses(&mut self, q: &[f64]) -> Vec<Transform<f64>> {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.frame_poses(workspace, q)
+    }
+
+    fn mechanics(&mut self) -> (Mechanics<'_, f64>, &mut Workspace<f64>) {
+        let mechanics = Mechanics {
+            mechanism: &self.mechanism,
+            structure: &self.structure,
+            numbers: &self.numbers,
+        };
+        (mechanics, &mut self.workspace)
+    }
+
+    fn in_time(&mut self, program: &Program, t: f64, inputs: &[f64]) -> f64 {
+        let params = &self.numbers.params;
+        let read = |variable| match variable {
+            Variable::Time => t,
+            Variable::Param(i) => params[i as usize],
+            Variable::Input(i) => inputs[i as usize],
+            _ => f64::NAN,
+        };
+        program.evaluate(read, &mut self.scratch);
+        program.output(&self.scratch, 0)
+    }
+
+    fn numbers_of(&self, pairs: &[(u32, Number)]) -> Vec<(usize, f64)> {
+        pairs.iter().map(|(i, n)| (*i as usize, self.numbers.number(*n))).collect()
+    }
+}
+
+impl Model for Interpreter {
+    fn layout(&self) -> &Arc<Layout> {
+        &self.layout
+    }
+    fn params(&self) -> &[f64] {
+        &self.numbers.params
+    }
+    fn set_param(&mut self, index: usize, value: f64) {
+        let mut params = self.numbers.params.clone();
+        params[index] = value;
+        self.numbers = Resolved::new(&self.mechanism, &params);
+    }
+    fn evaluate(&mut self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.evaluate(workspace, &point(at), momentum, force, None);
+    }
+    fn evaluate_with_matrix(
+        &mut self,
+        at: &Midpoint,
+        h: f64,
+        momentum: &mut [f64],
+        force: &mut [f64],
+        matrix: &mut [f64],
+    ) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.evaluate(workspace, &point(at), momentum, force, Some((h, matrix)));
+    }
+    fn constraints(&mut self, q: &[f64], t: f64, values: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.constraints(workspace, q, t, values);
+    }
+    fn constraint_jacobian(&mut self, q: &[f64], t: f64, jacobian: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.constraint_jacobian(workspace, q, t, jacobian);
+    }
+    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.mass_matrix(workspace, q, matrix);
+    }
+    fn potential(&mut self, q: &[f64], rest: &[f64]) -> f64 {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.potential(workspace, q, rest)
+    }
+    fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.strand_lengths(workspace, q, lengths);
+    }
+    fn inputs(&mut self, t: f64, inputs: &mut [f64]) {
+        let mechanism = Arc::clone(&self.mechanism);
+        for (input, value) in mechanism.inputs.iter().zip(inputs) {
+            *value = self.in_time(&input.default, t, &[]);
+        }
+    }
+    fn rests(&mut self, t: f64, inputs: &[f64], rest: &mut [f64]) {
+        let mechanism = Arc::clone(&self.mechanism);
+        for (strand, value) in mechanism.strands.iter().zip(rest) {
+            if let Some(program) = &strand.rest {
+                *value = self.in_time(program, t, inputs);
+            }
+        }
+    }
+    fn drives(&mut self, t: f64, q: &mut [f64]) {
+        let mechanism = Arc::clone(&self.mechanism);
+        for (coordinate, value) in mechanism.coordinates.iter().zip(q) {
+            if let Some(program) = &coordinate.drive {
+                *value = self.in_time(program, t, &[]);
+            }
+        }
+    }
+    fn start(&mut self, q: &mut [f64], v: &mut [f64]) {
+        for (i, coordinate) in self.mechanism.coordinates.iter().enumerate() {
+            q[i] = self.numbers.number(coordinate.start);
+            v[i] = self.numbers.number(coordinate.velocity);
+        }
+    }
+    fn scenario(&mut self, scenario: usize) -> ScenarioValues {
+        let scenario = &self.mechanism.scenarios[scenario];
+        let number = |n: Option<Number>| n.map(|n| self.numbers.number(n));
+        ScenarioValues {
+            set: self.numbers_of(&scenario.set),
+            step: number(scenario.step),
+            duration: number(scenario.duration),
+            tolerance: number(scenario.tolerance),
+            start: self.numbers_of(&scenario.start),
+            velocity: self.numbers_of(&scenario.velocity),
+            poses: scenario.poses.iter().map(|(_, pose)| self.numbers_of(pose)).collect(),
+            motions: scenario.motions.iter().map(|(_, knots)| self.numbers_of(knots)).collect(),
+        }
+    }
+    fn scenario_inputs(&mut self, scenario: usize, t: f64, inputs: &mut [f64]) {
+        let mechanism = Arc::clone(&self.mechanism);
+        for (input, program) in &mechanism.scenarios[scenario].inputs {
+            inputs[*input as usize] = self.in_time(program, t, &[]);
+        }
+    }
+    fn scenario_drives(&mut self, scenario: usize, t: f64, q: &mut [f64]) {
+        let mechanism = Arc::clone(&self.mechanism);
+        for (coordinate, program) in &mechanism.scenarios[scenario].drives {
+            q[*coordinate as usize] = self.in_time(program, t, &[]);
+        }
+    }
+    fn scenario_records(&mut self, scenario: usize, at: &Instant, values: &mut [f64]) {
+        let mechanism = Arc::clone(&self.mechanism);
+        let records = &mechanism.scenarios[scenario].records;
+        let reads_length = |variable: &Variable| matches!(variable, Variable::Length(_));
+        let mut lengths = vec![0.0; mechanism.strands.len()];
+        if records.iter().any(|(_, program)| program.variables().iter().any(reads_length)) {
+            self.strand_lengths(at.q, &mut lengths);
+        }
+        let params = &self.numbers.params;
+        let read = |variable| match variable {
+            Variable::Time => at.t,
+            Variable::Param(i) => params[i as usize],
+            Variable::Input(i) => at.inputs[i as usize],
+            Variable::Coordinate(i) => at.q[i as usize],
+            Variable::Rate(i) => at.v[i as usize],
+            Variable::Length(i) => lengths[i as usize],
+            Variable::Multiplier(i) => at.lambda[i as usize],
+        };
+        for ((_, program), value) in records.iter().zip(values) {
+            program.evaluate(read, &mut self.scratch);
+            *value = program.output(&self.scratch, 0);
+        }
+    }
+}
+
+fn point<'a>(at: &Midpoint<'a>) -> At<'a, f64> {
+    At { q: at.q, v: at.v, t: at.t, rest: at.rest, inputs: at.inputs }
+}
+
+/// Names, units and blocks of a mechanism; the same for the interpreter and for generated code.
+pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
+    let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
+    Layout {
+        name: mechanism.name.clone(),
+        params: mechanism.params.iter().map(|p| quantity(&p.name, &p.unit)).collect(),
+        inputs: mechanism.inputs.iter().map(|i| quantity(&i.name, &i.unit)).collect(),
+        coordinates: mechanism
+            .coordinates
+            .iter()
+            .map(|c| Coordinate {
+                name: c.name.clone(),
+                kind: if c.is_length { CoordinateKind::Length } else { CoordinateKind::Angle },
+                kinematic: c.drive.is_some(),
+            })
+            .collect(),
+        strands: mechanism
+            .strands
+            .iter()
+            .map(|s| Strand { name: s.name.clone(), has_rest: s.rest.is_some() })
+            .collect(),
+        rows: mechanism
+            .constraints
+            .iter()
+            .flat_map(|c| {
+                let name = &c.name;
+                c.row_suffixes()
+                    .into_iter()
+                    .map(move |suffix| ConstraintRow { name: format!("{name}{suffix}") })
+            })
+            .collect(),
+        blocks: structure.blocks.clone(),
+        scenarios: mechanism
+            .scenarios
+            .iter()
+            .map(|s| ScenarioLayout {
+                name: s.name.clone(),
+                driven: s.drives.iter().map(|(c, _)| *c as usize).collect(),
+                follow: s
+                    .follow
+                    .iter()
+                    .map(|(motion, strands)| Follow {
+                        motion: *motion as usize,
+                        strands: strands.iter().map(|&s| s as usize).collect(),
+                    })
+                    .collect(),
+                records: s.records.iter().map(|(name, _)| name.clone()).collect(),
+            })
+            .collect(),
+        length_scale: length_scale(mechanism),
+    }
+}
+
+/// The largest constant offset in the mechanism (m), 1 where there is none.
+fn length_scale(mechanism: &Mechanism) -> f64 {
+    let links = mechanism.links.iter().flat_map(|l| l.parent_from_joint.translation);
+    let points = mechanism.strands.iter().flat_map(|s| &s.points).flat_map(|p| p.position);
+    let bodies = mechanism.bodies.iter().flat_map(|b| b.center);
+    let frames = mechanism.frames.iter().flat_map(|f| f.link_from_frame.translation);
+    let largest = links
+        .chain(points)
+        .chain(bodies)
+        .chain(frames)
+        .map(|number| match number {
+            Number::Constant(value) => value.abs(),
+            Number::Value(_) => 0.0,
+        })
+        .fold(0.0, f64::max);
+    if largest > 0.0 { largest } else { 1.0 }
+}
