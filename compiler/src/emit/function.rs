@@ -93,6 +93,33 @@ pub fn place_of(leaf: Leaf) -> (&'static str, Option<usize>) {
     (name, Some(index as usize))
 }
 
+/// Functions of `handc_core::math` that code may call.
+pub const MATH: [&str; 23] = [
+    "abs",
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
+    "cos",
+    "exp",
+    "floor",
+    "if_equal",
+    "if_less",
+    "if_less_equal",
+    "log",
+    "max",
+    "min",
+    "mul_add",
+    "mul_sub",
+    "neg_mul_add",
+    "powf",
+    "powi",
+    "sin",
+    "sin_cos",
+    "sqrt",
+    "tan",
+];
+
 /// The order of arguments.
 const ORDER: [&str; 10] =
     ["q", "v", "t", "h", "rest", "inputs", "params", "values", "lambda", "lengths"];
@@ -125,7 +152,8 @@ impl Function {
                 let part_name = format_ident!("{}_part_{}", name, number + 1);
                 let arguments = self.arguments(&statements[part.statements.clone()]);
                 let passed = arguments.iter().map(|a| identifier(a.name));
-                let signature = signature_with(&arguments, naming, &quote!(work: &mut [f64; #size]));
+                let signature =
+                    signature_with(&arguments, naming, &quote!(work: &mut [f64; #size]));
                 let body = self.body(naming, statements, part, &mut printer);
                 let is_last = number + 1 == cut.parts.len();
                 let value = value.as_ref().filter(|_| is_last);
@@ -190,7 +218,7 @@ impl Function {
         statements: &[Statement],
         made_for: &[usize],
     ) -> Names {
-        let mut taken = Taken::with(ORDER.into_iter().chain(["work"]));
+        let mut taken = Taken::with(ORDER.into_iter().chain(MATH).chain(["work"]));
         for output in &self.outputs {
             if let Place::Element { array, .. } = output.place {
                 taken.take(array);
@@ -217,7 +245,8 @@ impl Function {
                     Some(label) => label,
                     None => {
                         let origin = label_of(symbol);
-                        let label = if origin.is_empty() { &self.outputs[output].label } else { &origin };
+                        let label =
+                            if origin.is_empty() { &self.outputs[output].label } else { &origin };
                         let label = snake(label);
                         let counter = counters.entry(label.clone()).or_default();
                         *counter += 1;

@@ -15,6 +15,7 @@ pub mod cut;
 pub mod function;
 pub mod literal;
 pub mod name;
+pub mod package;
 pub mod plan;
 pub mod print;
 pub mod schedule;

@@ -64,10 +64,14 @@ impl Taken {
         Taken { names: names.into_iter().map(str::to_owned).collect() }
     }
 
+    /// Whether Rust accepts the name.
+    pub fn is_legal(name: &str) -> bool {
+        !RESERVED.contains(&name) && name != "Self" && name != "_"
+    }
+
     /// `wanted`, or with the smallest suffix that makes it free and legal.
     pub fn take(&mut self, wanted: &str) -> String {
-        let legal = |name: &str| !RESERVED.contains(&name) && name != "Self" && name != "_";
-        if legal(wanted) && self.names.insert(wanted.to_owned()) {
+        if Self::is_legal(wanted) && self.names.insert(wanted.to_owned()) {
             return wanted.to_owned();
         }
         let mut number = 2;

@@ -67,8 +67,7 @@ impl<'a> Printer<'a> {
                 quote!(let #name = #value;)
             }
             Statement::SinCos(sine, cosine, angle) => {
-                let (sine, cosine) =
-                    (&self.names.variables[sine], &self.names.variables[cosine]);
+                let (sine, cosine) = (&self.names.variables[sine], &self.names.variables[cosine]);
                 let call = self.call("sin_cos", std::slice::from_ref(angle));
                 quote!(let (#sine, #cosine) = #call;)
             }

@@ -171,12 +171,8 @@ impl Scheduler<'_> {
                 let [x, y] = *two;
                 Expression::Sub(Box::new([y, x]))
             }
-            Expression::Fused(Fused::MulSub, three) => {
-                Expression::Fused(Fused::NegMulAdd, three)
-            }
-            Expression::Fused(Fused::NegMulAdd, three) => {
-                Expression::Fused(Fused::MulSub, three)
-            }
+            Expression::Fused(Fused::MulSub, three) => Expression::Fused(Fused::NegMulAdd, three),
+            Expression::Fused(Fused::NegMulAdd, three) => Expression::Fused(Fused::MulSub, three),
             Expression::Mul(two) if matches!(two[0], Expression::Constant(_)) => {
                 let [x, y] = *two;
                 let x = match x {
@@ -206,10 +202,7 @@ impl Scheduler<'_> {
             (_, 0) => Fused::MulSub,
             _ => Fused::NegMulAdd,
         };
-        Expression::Fused(
-            kind,
-            Box::new([self.operand(x), self.operand(y), self.operand(addend)]),
-        )
+        Expression::Fused(kind, Box::new([self.operand(x), self.operand(y), self.operand(addend)]))
     }
 
     fn product(&self, a: Sym, b: Sym) -> Expression {

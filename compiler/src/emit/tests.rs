@@ -207,7 +207,10 @@ fn text_is_stable_and_parses() {
             assert_eq!(first.parts > 1, longest == 4);
             if longest == 100 {
                 println!("{}", text(&first));
-                assert!(text(&first).contains("let (sin_finger_0, cos_finger_0) = sin_cos(q_finger_0);"));
+                assert!(
+                    text(&first)
+                        .contains("let (sin_finger_0, cos_finger_0) = sin_cos(q_finger_0);")
+                );
                 assert!(text(&first).contains("/// A sample."));
             }
         }
@@ -232,7 +235,8 @@ fn names_are_legal_and_unique() {
     assert_eq!(camel("_"), "X");
     assert_eq!(snake("_1__a"), "n1_a");
     let mut taken = Taken::default();
-    assert_eq!(taken.take_all(["a_b", "a_b", "crate", "a_b_2"]), [
-        "a_b", "a_b_2", "crate_2", "a_b_2_2"
-    ]);
+    assert_eq!(
+        taken.take_all(["a_b", "a_b", "crate", "a_b_2"]),
+        ["a_b", "a_b_2", "crate_2", "a_b_2_2"]
+    );
 }

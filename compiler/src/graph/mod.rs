@@ -18,17 +18,21 @@
 
 mod arena;
 mod derivative;
+mod evaluate;
 mod node;
 mod origin;
 mod program;
 mod simplify;
+mod substitute;
 mod symbol;
 #[cfg(test)]
 mod tests;
 
 pub use arena::{node, node_count, with_new};
 pub use derivative::{differentiate, gradient};
+pub use evaluate::evaluate;
 pub use node::{Binary, Leaf, Node, Unary};
 pub use origin::{Origin, label_of, origin_of, with_origin};
 pub use program::{leaf, leaves, reachable, to_program, variable};
+pub use substitute::substitute;
 pub use symbol::Sym;

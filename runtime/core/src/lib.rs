@@ -7,6 +7,7 @@
 //! [`simulation`] runs a scenario by [`step`]s, a private module does the linear algebra of a
 //! step, [`trajectory`] writes the result, [`runner`] is the command line of it all.
 
+pub mod array;
 pub mod ensemble;
 pub mod error;
 pub mod frequency;

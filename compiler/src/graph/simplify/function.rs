@@ -14,7 +14,7 @@ const LARGEST_EXPANDED_POWER: u32 = 16;
 /// Elementary functions of one operand.
 pub(super) fn unary(graph: &mut Graph, function: Unary, a: Sym) -> Sym {
     if let Some(x) = value(graph, a)
-        && let Some(result) = folded(graph, apply(function, x))
+        && let Some(result) = folded(graph, apply_unary(function, x))
     {
         return result;
     }
@@ -31,7 +31,7 @@ pub(super) fn unary(graph: &mut Graph, function: Unary, a: Sym) -> Sym {
 }
 
 /// The function on numbers, exactly as at run time.
-fn apply(function: Unary, x: f64) -> f64 {
+pub(in crate::graph) fn apply_unary(function: Unary, x: f64) -> f64 {
     match function {
         Unary::Neg => -x,
         Unary::Recip => Scalar::recip(x),
@@ -49,14 +49,23 @@ fn apply(function: Unary, x: f64) -> f64 {
     }
 }
 
+/// As [`apply_unary`] for two operands.
+pub(in crate::graph) fn apply_binary(function: Binary, x: f64, y: f64) -> f64 {
+    match function {
+        Binary::Add => x + y,
+        Binary::Sub => x - y,
+        Binary::Mul => x * y,
+        Binary::Powf => Scalar::powf(x, y),
+        Binary::Atan2 => Scalar::atan2(x, y),
+        Binary::Min => Scalar::min(x, y),
+        Binary::Max => Scalar::max(x, y),
+    }
+}
+
 /// Atan2, min and max.
 pub(super) fn binary(graph: &mut Graph, function: Binary, a: Sym, b: Sym) -> Sym {
     if let (Some(x), Some(y)) = (value(graph, a), value(graph, b)) {
-        let result = match function {
-            Binary::Atan2 => Scalar::atan2(x, y),
-            Binary::Min => Scalar::min(x, y),
-            _ => Scalar::max(x, y),
-        };
+        let result = apply_binary(function, x, y);
         if let Some(result) = folded(graph, result) {
             return result;
         }

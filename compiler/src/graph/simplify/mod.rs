@@ -15,7 +15,7 @@ mod sum;
 use super::arena::Graph;
 use super::node::{Binary, Node, Unary};
 use super::symbol::Sym;
-pub(super) use function::{power, select};
+pub(super) use function::{apply_binary, apply_unary, power, select};
 pub(super) use product::quotient;
 
 /// The node of a constant; the sign of zero is dropped.

@@ -1,0 +1,311 @@
+//! The generated `interface.rs`: the model as the integrator sees it.
+
+use super::imports;
+use super::modules::{Placed, path};
+use super::names::Names;
+use crate::emit::print::identifier;
+use crate::stage::Module;
+use proc_macro2::TokenStream;
+use quote::quote;
+
+/// Calls to functions of one name, with what prepares their arguments.
+struct Body {
+    calls: TokenStream,
+    arguments: Vec<&'static str>,
+}
+
+/// Collects the calls of every function `name` in the modules that `wanted` accepts.
+fn body(functions: &[Placed], names: &Names, name: &str, wanted: impl Fn(Module) -> bool) -> Body {
+    let mut calls = TokenStream::new();
+    let mut arguments = Vec::new();
+    for placed in functions.iter().filter(|p| wanted(p.module) && p.emitted.name == name) {
+        let call = placed.emitted.call(&path(placed.module, names));
+        calls.extend(quote!(#call;));
+        arguments.extend(placed.emitted.arguments.iter().map(|a| a.name));
+    }
+    Body { calls, arguments }
+}
+
+/// `let q = sized(at.q);` and the like, for those of `sources` that the calls need. Outputs are
+/// marked with `&mut`.
+fn prelude(needed: &[&str], sources: &[(&str, TokenStream)]) -> TokenStream {
+    sources
+        .iter()
+        .filter(|(name, _)| needed.contains(name))
+        .map(|(name, source)| {
+            let name = identifier(name);
+            quote!(let #name = #source;)
+        })
+        .collect()
+}
+
+/// The arguments of a method, with an underscore before those that its body does not mention.
+fn arguments(list: &[(&str, TokenStream)], body: &TokenStream) -> TokenStream {
+    let mentioned = imports::mentioned(body);
+    list.iter()
+        .map(|(name, of)| {
+            let name = match mentioned.contains(*name) {
+                true => identifier(name),
+                false => identifier(&format!("_{name}")),
+            };
+            quote!(#name: #of,)
+        })
+        .collect()
+}
+
+fn method(name: &str, list: &[(&str, TokenStream)], body: &TokenStream) -> TokenStream {
+    let (name, arguments) = (identifier(name), arguments(list, body));
+    quote! {
+        fn #name(&mut self, #arguments) { #body }
+    }
+}
+
+/// What every function may read of the model itself.
+fn own() -> [(&'static str, TokenStream); 2] {
+    [("params", quote!(&self.params)), ("values", quote!(&self.values))]
+}
+
+/// The module.
+pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
+    let input = || quote!(&[f64]);
+    let output = || quote!(&mut [f64]);
+    let make = |function: &str,
+                method_name: &str,
+                wanted: &dyn Fn(Module) -> bool,
+                sources: Vec<(&'static str, TokenStream)>,
+                list: &[(&str, TokenStream)]| {
+        let body = body(functions, names, function, wanted);
+        let sources: Vec<_> = own().into_iter().chain(sources).collect();
+        let prelude = prelude(&body.arguments, &sources);
+        let calls = body.calls;
+        method(method_name, list, &quote!(#prelude #calls))
+    };
+    let read = |name: &'static str| {
+        let ident = identifier(name);
+        (name, quote!(sized(#ident)))
+    };
+    let write = |name: &'static str, from: &str| {
+        let ident = identifier(from);
+        (name, quote!(sized_mut(#ident)))
+    };
+    let midpoint = || {
+        vec![
+            ("q", quote!(sized(at.q))),
+            ("v", quote!(sized(at.v))),
+            ("t", quote!(at.t)),
+            ("rest", quote!(sized(at.rest))),
+            ("inputs", quote!(sized(at.inputs))),
+            write("momentum", "momentum"),
+            write("force", "force"),
+            write("matrix", "matrix"),
+        ]
+    };
+    let in_block = |module| matches!(module, Module::Block(_));
+    let f64 = || quote!(f64);
+    let at = ("at", quote!(&Midpoint));
+    let momentum = [at.clone(), ("momentum", output()), ("force", output())];
+    let with_matrix =
+        [at, ("h", f64()), ("momentum", output()), ("force", output()), ("matrix", output())];
+    let methods = [
+        make("evaluate", "evaluate", &in_block, midpoint(), &momentum),
+        make("evaluate_with_matrix", "evaluate_with_matrix", &in_block, midpoint(), &with_matrix),
+        make(
+            "rows",
+            "constraints",
+            &|m| m == Module::Constraints,
+            vec![read("q"), write("rows", "rows")],
+            &[("q", input()), ("t", f64()), ("rows", output())],
+        ),
+        make(
+            "jacobian",
+            "constraint_jacobian",
+            &|m| m == Module::Constraints,
+            vec![read("q"), write("jacobian", "jacobian")],
+            &[("q", input()), ("t", f64()), ("jacobian", output())],
+        ),
+        make(
+            "mass_matrix",
+            "mass_matrix",
+            &in_block,
+            vec![read("q"), write("matrix", "matrix")],
+            &[("q", input()), ("matrix", output())],
+        ),
+        make(
+            "lengths",
+            "strand_lengths",
+            &|m| m == Module::Strands,
+            vec![read("q"), write("lengths", "lengths")],
+            &[("q", input()), ("lengths", output())],
+        ),
+        make(
+            "inputs",
+            "inputs",
+            &|m| m == Module::Time,
+            vec![write("inputs", "inputs")],
+            &[("t", f64()), ("inputs", output())],
+        ),
+        make(
+            "rests",
+            "rests",
+            &|m| m == Module::Time,
+            vec![read("inputs"), write("rest", "rest")],
+            &[("t", f64()), ("inputs", input()), ("rest", output())],
+        ),
+        make(
+            "drives",
+            "drives",
+            &|m| m == Module::Time,
+            vec![write("q", "q")],
+            &[("t", f64()), ("q", output())],
+        ),
+        make(
+            "start",
+            "start",
+            &|m| m == Module::Time,
+            vec![write("q", "q"), write("v", "v")],
+            &[("q", output()), ("v", output())],
+        ),
+    ];
+    let potential = potential(names, functions);
+    let scenarios = scenarios(names, functions);
+    let model = &names.model;
+    let rest = quote! {
+        impl Model for #model {
+            fn layout(&self) -> &Arc<Layout> {
+                &self.layout
+            }
+            fn params(&self) -> &[f64] {
+                &self.params
+            }
+            fn set_param(&mut self, index: usize, value: f64) {
+                self.params[index] = value;
+                self.update();
+            }
+            #(#methods)*
+            #potential
+            #scenarios
+        }
+    };
+    let core = imports::from(
+        quote!(handc_core::model),
+        &["Instant", "Midpoint", "Model", "ScenarioValues"],
+        &rest,
+    );
+    let arrays = imports::from(quote!(handc_core::array), &["sized", "sized_mut"], &rest);
+    let local = ["blocks", "constraints", "energy", "scenarios", "strands", "time"];
+    // A module counts as mentioned only before `::`, but no argument shares these names.
+    let local = imports::from(quote!(crate), &local, &rest);
+    let indices = imports::from(quote!(crate::layout), &["scenario"], &scenario_arms(&rest, names));
+    quote! {
+        //! The model as the integrator sees it.
+
+        #local
+        use crate::#model;
+        #indices
+        #arrays
+        use handc_core::layout::Layout;
+        #core
+        use std::sync::Arc;
+
+        #rest
+    }
+}
+
+/// The module of scenario indices is needed only where there are arms that name one.
+fn scenario_arms(rest: &TokenStream, names: &Names) -> TokenStream {
+    if names.scenarios.len() > 0 { rest.clone() } else { TokenStream::new() }
+}
+
+fn potential(names: &Names, functions: &[Placed]) -> TokenStream {
+    let sources: Vec<_> =
+        own().into_iter().chain([("q", quote!(sized(q))), ("rest", quote!(sized(rest)))]).collect();
+    let body = match functions.iter().find(|p| p.module == Module::Energy) {
+        Some(placed) => {
+            let needed: Vec<_> = placed.emitted.arguments.iter().map(|a| a.name).collect();
+            let prelude = prelude(&needed, &sources);
+            let call = placed.emitted.call(&path(placed.module, names));
+            quote!(#prelude #call)
+        }
+        None => quote!(0.0),
+    };
+    let arguments = arguments(&[("q", quote!(&[f64])), ("rest", quote!(&[f64]))], &body);
+    quote! {
+        fn potential(&mut self, #arguments) -> f64 { #body }
+    }
+}
+
+fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
+    let arm = |index: usize, body: TokenStream| {
+        let constant = identifier(&names.scenarios.constants[index]);
+        quote!(scenario::#constant => { #body })
+    };
+    let count = names.scenarios.len();
+    let values = (0..count).map(|index| {
+        let module = path(Module::Scenario(index), names);
+        arm(index, quote!(#module numbers(&self.params, &self.values)))
+    });
+    let values = match count {
+        0 => quote!(ScenarioValues::default()),
+        _ => quote! {
+            match scenario {
+                #(#values)*
+                _ => ScenarioValues::default(),
+            }
+        },
+    };
+    let by_scenario = |function: &str, sources: &[(&'static str, TokenStream)]| {
+        let arms: Vec<TokenStream> = (0..count)
+            .filter_map(|index| {
+                let body = body(functions, names, function, |m| m == Module::Scenario(index));
+                let sources: Vec<_> = own().into_iter().chain(sources.iter().cloned()).collect();
+                let prelude = prelude(&body.arguments, &sources);
+                let calls = body.calls;
+                (!calls.is_empty()).then(|| arm(index, quote!(#prelude #calls)))
+            })
+            .collect();
+        match &arms[..] {
+            [] => TokenStream::new(),
+            arms => quote! {
+                match scenario {
+                    #(#arms)*
+                    _ => {}
+                }
+            },
+        }
+    };
+    let number = || ("scenario", quote!(usize));
+    let f64 = || ("t", quote!(f64));
+    let output = || quote!(&mut [f64]);
+    let inputs = method(
+        "scenario_inputs",
+        &[number(), f64(), ("inputs", output())],
+        &by_scenario("inputs", &[("inputs", quote!(sized_mut(inputs)))]),
+    );
+    let drives = method(
+        "scenario_drives",
+        &[number(), f64(), ("q", output())],
+        &by_scenario("drives", &[("q", quote!(sized_mut(q)))]),
+    );
+    let records = method(
+        "scenario_records",
+        &[number(), ("at", quote!(&Instant)), ("columns", output())],
+        &by_scenario(
+            "records",
+            &[
+                ("q", quote!(sized(at.q))),
+                ("v", quote!(sized(at.v))),
+                ("t", quote!(at.t)),
+                ("inputs", quote!(sized(at.inputs))),
+                ("lambda", quote!(sized(at.lambda))),
+                ("records", quote!(columns)),
+            ],
+        ),
+    );
+    let scenario = arguments(&[number()], &values);
+    quote! {
+        fn scenario(&mut self, #scenario) -> ScenarioValues { #values }
+        #inputs
+        #drives
+        #records
+    }
+}

@@ -1,0 +1,147 @@
+//! The generated crate: its files, from a mechanism.
+//!
+//! [`names`] settles every name first; [`modules`] holds the straight-line functions, [`layout`]
+//! and [`parameters`] the model's names and shape, [`model`] the struct with what a user calls, and
+//! [`interface`] the same for the integrator; [`write`](mod@write) puts it all on disk.
+
+mod imports;
+mod interface;
+mod layout;
+mod manifest;
+mod model;
+mod modules;
+mod names;
+mod parameters;
+mod write;
+
+use super::count::Operations;
+use crate::graph;
+use crate::stage::{Module, stage};
+use handc_core::layout::Layout;
+use handc_runtime::interpreter::layout as layout_of;
+use handc_runtime::mechanism::Mechanism;
+use handc_runtime::structure::Structure;
+use proc_macro2::TokenStream;
+use std::fmt;
+pub use write::{File, WriteError, write_crate};
+
+/// A crate ready to be written.
+#[derive(Clone, Debug)]
+pub struct Package {
+    /// Name of the package and of its runner.
+    pub name: String,
+    /// Files, the manifest first.
+    pub files: Vec<File>,
+    /// What it is made of.
+    pub report: Report,
+}
+
+/// Size of a generated crate.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Module, name and operations of every function.
+    pub functions: Vec<(String, Operations)>,
+    /// Operations of one evaluation of momentum and force over all blocks.
+    pub evaluate: Operations,
+    /// The same with the Newton matrix.
+    pub evaluate_with_matrix: Operations,
+    /// Lines of Rust.
+    pub lines: usize,
+    /// Nodes of the symbolic graph.
+    pub nodes: usize,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        write!(
+            formatter,
+            "{} functions, {} lines; {} operations for momentum and force, {} with the Newton \
+             matrix",
+            self.functions.len(),
+            self.lines,
+            self.evaluate.total(),
+            self.evaluate_with_matrix.total()
+        )
+    }
+}
+
+/// Why a crate could not be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackageError {
+    /// The file whose tokens are not Rust.
+    pub file: String,
+    /// What the parser says.
+    pub message: String,
+}
+
+impl fmt::Display for PackageError {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        write!(formatter, "the generated `{}` is not legal Rust: {}", self.file, self.message)
+    }
+}
+
+impl std::error::Error for PackageError {}
+
+/// Makes the crate of a mechanism. `core_path` leads from its folder to `handc-core`.
+pub fn package(mechanism: &Mechanism, core_path: &str) -> Result<Package, PackageError> {
+    let structure = Structure::new(mechanism);
+    let layout = layout_of(mechanism, &structure);
+    graph::with_new(|| assemble(mechanism, &structure, &layout, core_path))
+}
+
+fn assemble(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    layout: &Layout,
+    core_path: &str,
+) -> Result<Package, PackageError> {
+    let staged = stage(mechanism, structure);
+    let frames: Vec<String> = mechanism.frames.iter().map(|frame| frame.name.clone()).collect();
+    let names = names::Names::new(layout, &frames, staged.values);
+    let functions = modules::functions(&staged, &names);
+    let modules = modules::modules(mechanism, &staged, &names, &functions);
+    let list: Vec<Module> = modules.iter().map(|(module, _)| *module).collect();
+    let mut sources: Vec<(String, TokenStream)> = vec![
+        ("lib.rs".to_owned(), manifest::library(mechanism, &names, &list)),
+        ("main.rs".to_owned(), manifest::runner(mechanism, &names)),
+        ("layout.rs".to_owned(), layout::module(layout, &names)),
+        ("parameters.rs".to_owned(), parameters::module(mechanism, &names)),
+        ("model.rs".to_owned(), model::module(mechanism, &names, &functions)),
+        ("interface.rs".to_owned(), interface::module(&names, &functions)),
+    ];
+    sources.extend(manifest::folders(&names, &list));
+    sources.extend(modules.into_iter().map(|(m, tokens)| (modules::file(m, &names), tokens)));
+    let mut files =
+        vec![File { path: "Cargo.toml".to_owned(), text: manifest::manifest(&names, core_path) }];
+    for (file, tokens) in sources {
+        let parsed = syn::parse2(tokens)
+            .map_err(|error| PackageError { file: file.clone(), message: error.to_string() })?;
+        let text = format!(
+            "// {} from the model; changes here are lost.\n\n{}",
+            manifest::MARKER,
+            prettyplease::unparse(&parsed)
+        );
+        files.push(File { path: format!("src/{file}"), text });
+    }
+    let report = report(&functions, &names, &files);
+    Ok(Package { name: names.package, files, report })
+}
+
+fn report(functions: &[modules::Placed], names: &names::Names, files: &[File]) -> Report {
+    let mut report = Report {
+        lines: files.iter().skip(1).map(|file| file.text.lines().count()).sum(),
+        nodes: graph::node_count(),
+        ..Report::default()
+    };
+    for placed in functions {
+        let emitted = &placed.emitted;
+        let file = modules::file(placed.module, names);
+        report.functions.push((format!("{file}: {}", emitted.name), emitted.operations));
+        match emitted.name.as_str() {
+            "evaluate" => report.evaluate += emitted.operations,
+            "evaluate_with_matrix" => report.evaluate_with_matrix += emitted.operations,
+            _ => {}
+        }
+    }
+    report
+}

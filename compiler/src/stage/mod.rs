@@ -1,0 +1,81 @@
+//! Staging: the mechanics run once on symbols, and what comes out sorted into functions.
+//!
+//! The compiler is the interpreter run on symbols. [`kernels`] runs the equations of motion block
+//! by block, [`time`] the functions of time and the scenarios, [`hoist`] takes out what depends on
+//! parameters alone so that it is computed when they change and not in every step. The result is a
+//! list of [`Task`]s, each one function to be, in the module where a reader would look for it.
+
+mod hoist;
+mod kernels;
+mod labels;
+mod symbols;
+#[cfg(test)]
+pub(crate) mod tests;
+mod time;
+
+use crate::emit::Output;
+use handc_runtime::mechanism::Mechanism;
+use handc_runtime::structure::Structure;
+pub use symbols::Symbols;
+
+/// Where a function stands in the generated crate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Module {
+    /// Momentum, force, Newton matrix and mass matrix of one block, by number.
+    Block(usize),
+    /// Lengths and moment arms.
+    Strands,
+    /// Rows and their derivatives.
+    Constraints,
+    /// Potential energy.
+    Energy,
+    /// Poses of named frames.
+    Frames,
+    /// Start, inputs, natural lengths and drives of the model itself.
+    Time,
+    /// Functions of one scenario, by number.
+    Scenario(usize),
+    /// Numbers that follow from parameters.
+    Values,
+}
+
+/// A function to be emitted.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// Its module.
+    pub module: Module,
+    /// Its name there.
+    pub name: &'static str,
+    /// What it computes, with formula and source lines.
+    pub doc: Vec<String>,
+    /// Its results.
+    pub outputs: Vec<Output>,
+}
+
+/// Everything that a generated crate computes.
+#[derive(Clone, Debug, Default)]
+pub struct Staged {
+    /// Functions in order of their modules; those without results are left out.
+    pub tasks: Vec<Task>,
+    /// How many numbers follow from parameters.
+    pub values: usize,
+    /// Numbers of each scenario that may depend on parameters, in the order of
+    /// [`scenario_numbers`].
+    pub scenario_numbers: Vec<Vec<crate::graph::Sym>>,
+}
+
+pub use time::scenario_numbers;
+
+/// Runs the mechanics of `mechanism` on symbols of the current graph.
+pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
+    let symbols = Symbols::new(mechanism, structure);
+    labels::prepare(mechanism, &symbols);
+    let mut tasks = kernels::tasks(&symbols);
+    tasks.extend(time::tasks(&symbols));
+    let mut scenario_numbers: Vec<Vec<_>> =
+        mechanism.scenarios.iter().map(|s| time::numbers(&symbols, s)).collect();
+    let values = hoist::hoist(&mut tasks, &mut scenario_numbers);
+    tasks.retain(|task| !task.outputs.is_empty());
+    tasks.sort_by_key(|task| task.module);
+    Staged { tasks, values, scenario_numbers }
+}
