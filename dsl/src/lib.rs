@@ -15,10 +15,19 @@ pub mod hir;
 pub mod source;
 pub mod unit;
 
+mod check;
+mod guard;
+mod lex;
+mod load;
+mod parse;
+mod program;
 mod render;
+mod suggest;
 
 use diagnostic::Diagnostic;
+use load::Loader;
 use source::SourceMap;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// What checking a file gives.
@@ -36,13 +45,24 @@ pub struct Checked {
 
 /// Reads and checks a file and what it imports. Imports never leave `root`, or the file's folder.
 pub fn check_file(path: &Path, root: Option<&Path>) -> Checked {
-    let _ = (path, root);
-    check_text("", "")
+    finish(Loader::from_file(path, root))
 }
 
 /// Checks a text that imports nothing.
 pub fn check_text(name: &str, text: &str) -> Checked {
-    let mut sources = SourceMap::default();
-    sources.add(name, text);
-    Checked { model: None, diagnostics: Vec::new(), sources, file: None }
+    finish(Loader::from_text(name, text))
+}
+
+fn finish(loader: Loader) -> Checked {
+    let Loader { sources, parsed, out: mut diagnostics, .. } = loader;
+    let program = program::assemble(&parsed, &sources, &mut diagnostics);
+    let model = check::check(&program, &mut diagnostics);
+    // An instance repeats the errors of its component: once is enough.
+    let mut seen = BTreeSet::new();
+    diagnostics.retain(|d| seen.insert((d.code, d.primary.span, d.message.clone())));
+    diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start));
+    let wrong = diagnostics.iter().any(Diagnostic::is_error);
+    let model = model.filter(|_| !wrong);
+    let file = parsed.into_iter().next().map(|p| p.file);
+    Checked { model, diagnostics, sources, file }
 }

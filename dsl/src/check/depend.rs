@@ -1,0 +1,95 @@
+//! What a quantity may depend on.
+
+use super::Checker;
+use crate::diagnostic::Diagnostic;
+use crate::hir::{Expr, ExprKind, Function};
+use crate::source::Span;
+
+/// What is allowed in a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct May {
+    pub(super) params: bool,
+    pub(super) time: bool,
+    pub(super) inputs: bool,
+    pub(super) coordinates: bool,
+    pub(super) rates: bool,
+    pub(super) multipliers: bool,
+}
+
+impl May {
+    /// Fixed when the model is compiled.
+    pub(super) const CONST: May = May {
+        params: false,
+        time: false,
+        inputs: false,
+        coordinates: false,
+        rates: false,
+        multipliers: false,
+    };
+    /// Constants and parameters: what the mechanism is made of.
+    pub(super) const PARAMS: May = May { params: true, ..May::CONST };
+    /// Given functions of time.
+    pub(super) const TIME: May = May { time: true, ..May::PARAMS };
+    /// Natural lengths.
+    pub(super) const REST: May = May { inputs: true, ..May::TIME };
+    /// Constraint equations.
+    pub(super) const HOLONOMIC: May = May { coordinates: true, ..May::TIME };
+    /// Torques and forces: all but multipliers, which only a recorded column may hold.
+    pub(super) const LOAD: May = May { coordinates: true, rates: true, ..May::REST };
+
+    fn list(self) -> String {
+        let mut words = vec!["constants"];
+        for (allowed, word) in [
+            (self.params, "parameters"),
+            (self.time, "`t`"),
+            (self.inputs, "inputs"),
+            (self.coordinates, "coordinates and lengths"),
+            (self.rates, "rates"),
+        ] {
+            if allowed {
+                words.push(word);
+            }
+        }
+        match words.as_slice() {
+            [one] => (*one).to_string(),
+            [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+            [] => String::new(),
+        }
+    }
+}
+
+/// The first thing in an expression that is not allowed, and what it is.
+fn offender(expr: &Expr, may: May) -> Option<(Span, &'static str)> {
+    let here = |what| Some((expr.span, what));
+    match &expr.kind {
+        ExprKind::Param(_) if !may.params => here("a parameter"),
+        ExprKind::Time if !may.time => here("time"),
+        ExprKind::Input(_) if !may.inputs => here("an input"),
+        ExprKind::Coordinate(_) if !may.coordinates => here("a coordinate"),
+        ExprKind::Length(_) if !may.coordinates => here("the length of a strand"),
+        ExprKind::Rate(_) if !may.rates => here("a rate"),
+        ExprKind::Multiplier(..) if !may.multipliers => here("a multiplier"),
+        ExprKind::Call(Function::Ease, _) if !may.time => here("time, through `ease`"),
+        ExprKind::Neg(inner) => offender(inner, may),
+        ExprKind::Binary(_, left, right) => offender(left, may).or_else(|| offender(right, may)),
+        ExprKind::Call(_, arguments) => arguments.iter().find_map(|a| offender(a, may)),
+        ExprKind::If { left, right, then, otherwise, .. } => {
+            [left, right, then, otherwise].iter().find_map(|e| offender(e, may))
+        }
+        _ => None,
+    }
+}
+
+impl Checker<'_> {
+    /// Complains if an expression depends on what it may not.
+    pub(super) fn depends(&mut self, expr: &Expr, may: May, what: &str) -> Option<()> {
+        let Some((span, on)) = offender(expr, may) else { return Some(()) };
+        let message = format!("{what} cannot depend on {on}");
+        let mut help = format!("it may depend on {}", may.list());
+        if may == May::CONST && on == "a parameter" {
+            help = "a `const` is fixed when the model is compiled; make it a `param`".to_string();
+        }
+        self.report(Diagnostic::error("depends", span, message).help(help));
+        None
+    }
+}

@@ -1,0 +1,403 @@
+//! Expressions: names resolved, units applied, dimensions checked.
+
+use super::depend::May;
+use super::fold::{bare_zero, unit_words};
+use super::name::Entity;
+use super::scope::ScopeId;
+use super::{Checker, Value, constant, number};
+use crate::ast::{self, ExprKind as Ast, Operator};
+use crate::diagnostic::Diagnostic;
+use crate::dimension::Dimension;
+use crate::hir::{self, BinaryOp, CoordinateId, Expr, ExprKind};
+use crate::source::Span;
+use crate::suggest::nearest;
+use crate::unit::{UNITS, Unit};
+
+/// Deepest evaluation, through constants that use constants.
+const MAX_DEPTH: usize = 700;
+
+impl<'a> Checker<'a> {
+    /// The value of an expression.
+    pub(super) fn value(&mut self, scope: ScopeId, expr: &'a ast::Expr) -> Option<Value> {
+        if self.depth >= MAX_DEPTH {
+            let message =
+                "this is nested too deeply, or uses constants that use constants too often";
+            self.report(Diagnostic::error("too-deep", expr.span, message));
+            return None;
+        }
+        self.depth += 1;
+        let value = self.value_inside(scope, expr);
+        self.depth -= 1;
+        value
+    }
+
+    fn value_inside(&mut self, scope: ScopeId, expr: &'a ast::Expr) -> Option<Value> {
+        let span = expr.span;
+        match &expr.kind {
+            Ast::Number(value) => self.finite(*value, Dimension::NONE, span).map(Value::Scalar),
+            Ast::Path(path) => self.path_value(scope, path),
+            Ast::Paren(inner) => self.value(scope, inner),
+            Ast::Tuple(items) => {
+                let all: Vec<Option<Expr>> = items.iter().map(|e| self.scalar(scope, e)).collect();
+                all.into_iter().collect::<Option<Vec<Expr>>>().map(Value::Vector)
+            }
+            Ast::WithUnit(inner, unit) => {
+                let unit = self.unit(unit);
+                let value = self.value(scope, inner)?;
+                let unit = unit?;
+                match value {
+                    Value::Scalar(e) => self.with_unit(e, unit, span).map(Value::Scalar),
+                    Value::Vector(v) => self.each(v, |checker, e| {
+                        let span = e.span;
+                        checker.with_unit(e, unit, span)
+                    }),
+                }
+            }
+            Ast::Neg(inner) => match self.value(scope, inner)? {
+                Value::Scalar(e) => Some(Value::Scalar(self.negate(e, span))),
+                Value::Vector(v) => self.each(v, |checker, e| {
+                    let span = e.span;
+                    Some(checker.negate(e, span))
+                }),
+            },
+            Ast::Binary(operator, left, right) => {
+                let op = match operator {
+                    Operator::Add => BinaryOp::Add,
+                    Operator::Sub => BinaryOp::Sub,
+                    Operator::Mul => BinaryOp::Mul,
+                    Operator::Div => BinaryOp::Div,
+                    Operator::Pow => BinaryOp::Pow,
+                    _ => {
+                        let message = "a comparison is not a number";
+                        self.report(Diagnostic::error("comparison", span, message));
+                        return None;
+                    }
+                };
+                let left = self.value(scope, left);
+                let right = self.value(scope, right);
+                self.binary_value(op, left?, right?, span)
+            }
+            Ast::Call(name, arguments) => {
+                self.call(scope, name, arguments, span).map(Value::Scalar)
+            }
+        }
+    }
+
+    /// A single number.
+    pub(super) fn scalar(&mut self, scope: ScopeId, expr: &'a ast::Expr) -> Option<Expr> {
+        match self.value(scope, expr)? {
+            Value::Scalar(value) => Some(value),
+            Value::Vector(items) => {
+                let message = format!("expected one number, found {} in a tuple", items.len());
+                self.report(Diagnostic::error("vector", expr.span, message));
+                None
+            }
+        }
+    }
+
+    fn with_unit(&mut self, value: Expr, unit: Unit, span: Span) -> Option<Expr> {
+        match constant(&value) {
+            Some(x) if value.dimension.is_none() => {
+                self.finite(unit.to_si(x), unit.dimension, span)
+            }
+            _ => {
+                let unit = number(unit.to_si(1.0), unit.dimension, span);
+                self.binary(BinaryOp::Mul, value, unit, span)
+            }
+        }
+    }
+
+    /// The unit a text stands for.
+    pub(super) fn unit(&mut self, unit: &ast::UnitExpr) -> Option<Unit> {
+        let mut product = Some(Unit::ONE);
+        for (index, factor) in unit.factors.iter().enumerate() {
+            let name = &factor.name;
+            let Some(known) = Unit::named(&name.text) else {
+                let near = nearest(&name.text, UNITS.iter().map(|u| u.0));
+                let all: Vec<&str> = UNITS.iter().map(|u| u.0).collect();
+                let help = match near {
+                    _ if index > 0 => format!(
+                        "a unit is written without spaces; if `{}` is a name, put spaces around the operator",
+                        name.text
+                    ),
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("known are {}", all.join(" ")),
+                };
+                let help = match near {
+                    Some(near) if index > 0 => format!("did you mean `{near}`? {help}"),
+                    _ => help,
+                };
+                let message = format!("unknown unit `{}`", name.text);
+                self.report(Diagnostic::error("unknown-unit", name.span, message).help(help));
+                product = None;
+                continue;
+            };
+            if let Some(so_far) = product {
+                product = so_far.times_power(known, factor.exponent);
+                if product.is_none() {
+                    let message = "the powers of this unit are too large";
+                    self.report(Diagnostic::error("dimension", unit.span, message));
+                }
+            }
+        }
+        product
+    }
+
+    /// What a name in an expression stands for.
+    fn path_value(&mut self, scope: ScopeId, path: &'a ast::Path) -> Option<Value> {
+        let span = path.span;
+        let word = || path.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>().join(".");
+        let at = |kind, dimension| Some(Value::Scalar(Expr { kind, dimension, span }));
+        let what = match self.entity(scope, path)? {
+            Entity::Time => return at(ExprKind::Time, Dimension::TIME),
+            Entity::Pi => return at(ExprKind::Number(std::f64::consts::PI), Dimension::NONE),
+            Entity::Named(named) => {
+                let value = self.named(named, span)?;
+                return Some(match value {
+                    Value::Scalar(e) if constant(&e).is_some() => Value::Scalar(Expr { span, ..e }),
+                    other => other,
+                });
+            }
+            Entity::Multiplier(constraint, row, dimension) => {
+                return at(ExprKind::Multiplier(constraint, row), dimension);
+            }
+            Entity::Coordinate(index) => {
+                let dimension = self.coordinate_dimension(index)?;
+                return at(ExprKind::Coordinate(CoordinateId(index as u32)), dimension);
+            }
+            Entity::Joint(joint) => {
+                let range = self.joints[joint].coordinates.clone();
+                match range.len() {
+                    0 => return None,
+                    1 => {
+                        let dimension = self.coordinate_dimension(range.start)?;
+                        let id = CoordinateId(range.start as u32);
+                        return at(ExprKind::Coordinate(id), dimension);
+                    }
+                    _ => {}
+                }
+                let help = self.parts_help(joint, &word());
+                let message =
+                    format!("`{}` has {} coordinates: name one of them", word(), range.len());
+                self.report(Diagnostic::error("which-coordinate", span, message).help(help));
+                return None;
+            }
+            Entity::Frame(_) => "a frame",
+            Entity::Instance(_) => "an instance of a component",
+            Entity::Strand(_) => "a strand",
+            Entity::Constraint(_) => "a constraint",
+        };
+        let message = format!("`{}` is {what}, not a number", word());
+        let mut error = Diagnostic::error("not-a-value", span, message);
+        if what == "a strand" {
+            error = error.help(format!("its length is `length({})`", word()));
+        }
+        self.report(error);
+        None
+    }
+
+    pub(super) fn parts_help(&self, joint: usize, name: &str) -> String {
+        let range = self.joints[joint].coordinates.clone();
+        let last = |n: &String| n.rsplit('.').next().unwrap_or("").to_string();
+        let parts: Vec<String> =
+            self.coordinate_names[range].iter().map(|n| format!("`{name}.{}`", last(n))).collect();
+        format!("its coordinates are {}", parts.join(", "))
+    }
+
+    /// An expression of known dimension.
+    pub(super) fn expect(
+        &mut self,
+        scope: ScopeId,
+        expr: &'a ast::Expr,
+        want: Dimension,
+        what: &str,
+        may: May,
+    ) -> Option<Expr> {
+        let value = self.scalar(scope, expr)?;
+        let value = self.fit(value, want, what, Some(expr))?;
+        self.depends(&value, may, what)?;
+        Some(value)
+    }
+
+    /// Gives a value the dimension it must have, or says what was expected.
+    pub(super) fn fit(
+        &mut self,
+        mut value: Expr,
+        want: Dimension,
+        what: &str,
+        text: Option<&ast::Expr>,
+    ) -> Option<Expr> {
+        if value.dimension == want {
+            return Some(value);
+        }
+        if bare_zero(&value) {
+            value.dimension = want;
+            return Some(value);
+        }
+        let span = text.map_or(value.span, |e| e.span);
+        let found = value.dimension;
+        let message = match found.is_none() {
+            true => format!("{what} is {}: a unit is missing", want.describe()),
+            false if want.is_none() => {
+                format!("{what} is {}, not {}", want.describe(), found.describe())
+            }
+            false => format!("{what} is {}, not {}", want.describe(), found.describe()),
+        };
+        let label = match found.is_none() {
+            true => format!("expected {}", unit_words(want)),
+            false => format!("expected {}, found {}", unit_words(want), unit_words(found)),
+        };
+        let mut error = Diagnostic::error("dimension", span, message).label(label);
+        if found.is_none() && !want.is_none() {
+            let quoted = self.sources.slice(span);
+            let simple = text.is_some_and(|e| match &e.kind {
+                Ast::Number(_) | Ast::Paren(_) | Ast::Tuple(_) => true,
+                Ast::Neg(inner) => matches!(inner.kind, Ast::Number(_)),
+                _ => false,
+            });
+            let quoted = if simple { quoted.to_string() } else { format!("({quoted})") };
+            let units = want.usual_units();
+            let written: Vec<String> = units.iter().map(|u| format!("`{quoted} {u}`")).collect();
+            if quoted.len() < 60 {
+                error = error.help(format!("write {}", written.join(" or ")));
+            }
+        }
+        self.report(error);
+        None
+    }
+
+    /// A tuple of `N` of known dimension.
+    pub(super) fn tuple<const N: usize>(
+        &mut self,
+        scope: ScopeId,
+        expr: &'a ast::Expr,
+        want: Dimension,
+        what: &str,
+        may: May,
+    ) -> Option<[Expr; N]> {
+        let items = self.items(scope, expr, N, what)?;
+        self.fit_items(items, want, what, expr, may)
+    }
+
+    /// The elements of a tuple that must have `count` of them.
+    pub(super) fn items(
+        &mut self,
+        scope: ScopeId,
+        expr: &'a ast::Expr,
+        count: usize,
+        what: &str,
+    ) -> Option<Vec<Expr>> {
+        match self.value(scope, expr)? {
+            Value::Vector(items) if items.len() == count => Some(items),
+            Value::Vector(items) => {
+                let message = format!("{what} has {count} numbers, not {}", items.len());
+                self.report(Diagnostic::error("vector", expr.span, message));
+                None
+            }
+            // A bare zero stands for the zero vector.
+            Value::Scalar(e) if bare_zero(&e) => Some(vec![e; count]),
+            Value::Scalar(_) => {
+                let shape = match count {
+                    2 => "(a, b)",
+                    3 => "(x, y, z)",
+                    _ => "(a, b, ...)",
+                };
+                let message = format!("{what} is a tuple of {count}, not one number");
+                let error = Diagnostic::error("vector", expr.span, message);
+                self.report(error.help(format!("write it as `{shape}`, a unit behind it")));
+                None
+            }
+        }
+    }
+
+    pub(super) fn fit_items<const N: usize>(
+        &mut self,
+        items: Vec<Expr>,
+        want: Dimension,
+        what: &str,
+        expr: &'a ast::Expr,
+        may: May,
+    ) -> Option<[Expr; N]> {
+        let missing =
+            items.iter().any(|e| e.dimension.is_none() && e.dimension != want && !bare_zero(e));
+        if missing
+            && matches!(expr.kind, Ast::Tuple(_))
+            && items.iter().all(|e| e.dimension.is_none())
+        {
+            // One message for the whole tuple, with the unit behind it.
+            let first = items.into_iter().find(|e| !bare_zero(e))?;
+            return self.fit(first, want, what, Some(expr)).and(None);
+        }
+        let mut fitted = Vec::new();
+        for item in items {
+            let item = self.fit(item, want, what, None);
+            fitted.push(item.and_then(|e| self.depends(&e, may, what).map(|()| e)));
+        }
+        let fitted: Vec<Expr> = fitted.into_iter().collect::<Option<_>>()?;
+        fitted.try_into().ok()
+    }
+
+    /// A vector of known dimension.
+    pub(super) fn vector(
+        &mut self,
+        scope: ScopeId,
+        expr: &'a ast::Expr,
+        want: Dimension,
+        what: &str,
+        may: May,
+    ) -> Option<hir::Vector> {
+        self.tuple(scope, expr, want, what, may)
+    }
+
+    /// A direction: `x`, `y`, `z`, one of these negative, or a vector of any one dimension.
+    pub(super) fn axis(
+        &mut self,
+        scope: ScopeId,
+        expr: &'a ast::Expr,
+        what: &str,
+    ) -> Option<hir::Vector> {
+        if let Some(axis) = named_axis(expr) {
+            return Some(axis.map(|value| number(value, Dimension::NONE, expr.span)));
+        }
+        if let Ast::Path(path) = &expr.kind
+            && !matches!(self.peek(scope, path), Some(Entity::Named(_)))
+        {
+            let message = format!("{what} is `x`, `y`, `z` or a vector");
+            self.report(Diagnostic::error("axis", expr.span, message));
+            return None;
+        }
+        let mut items = self.items(scope, expr, 3, what)?;
+        let want = items.iter().find(|e| !bare_zero(e)).map_or(Dimension::NONE, |e| e.dimension);
+        if items.iter().all(|e| constant(e) == Some(0.0)) {
+            let message = format!("{what} has no direction: it is zero");
+            self.report(Diagnostic::error("axis", expr.span, message));
+            return None;
+        }
+        let mut axis =
+            self.fit_items::<3>(std::mem::take(&mut items), want, what, expr, May::PARAMS)?;
+        for e in &mut axis {
+            if constant(e).is_some() {
+                e.dimension = want;
+            }
+        }
+        Some(axis)
+    }
+}
+
+/// A named axis, with its sign.
+pub(super) fn named_axis(expr: &ast::Expr) -> Option<[f64; 3]> {
+    match &expr.kind {
+        Ast::Path(path) => match path.parts.as_slice() {
+            [only] => match only.text.as_str() {
+                "x" => Some([1.0, 0.0, 0.0]),
+                "y" => Some([0.0, 1.0, 0.0]),
+                "z" => Some([0.0, 0.0, 1.0]),
+                _ => None,
+            },
+            _ => None,
+        },
+        Ast::Neg(inner) => named_axis(inner).map(|a| a.map(|v| if v == 0.0 { 0.0 } else { -v })),
+        Ast::Paren(inner) => named_axis(inner),
+        _ => None,
+    }
+}

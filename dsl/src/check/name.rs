@@ -1,0 +1,319 @@
+//! Names: what a dotted name stands for, seen from a scope.
+
+use super::scope::{Entry, Scope, ScopeId};
+use super::value::NamedId;
+use super::{Checker, scope};
+use crate::ast::{Ident, Path};
+use crate::diagnostic::Diagnostic;
+use crate::dimension::Dimension;
+use crate::hir::{ConstraintId, JointKind};
+use crate::parse::reserved;
+use crate::suggest::nearest;
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Entity {
+    Time,
+    Pi,
+    Named(NamedId),
+    Frame(usize),
+    Joint(usize),
+    /// Index of a coordinate.
+    Coordinate(usize),
+    Instance(ScopeId),
+    Strand(usize),
+    Constraint(usize),
+    /// A row of a constraint, with the dimension of its multiplier.
+    Multiplier(ConstraintId, u32, Dimension),
+}
+
+/// Beyond this many errors no names are suggested: nobody reads them.
+const SUGGEST_UP_TO: usize = 100;
+
+impl<'a> Checker<'a> {
+    /// What a name stands for; `None` if it is not known (reported) or broken (reported before).
+    pub(super) fn entity(&mut self, scope: ScopeId, path: &'a Path) -> Option<Entity> {
+        let first = path.parts.first()?;
+        let rest = &path.parts[1..];
+        match first.text.as_str() {
+            "world" if rest.is_empty() => return Some(Entity::Frame(0)),
+            "t" if rest.is_empty() => return Some(Entity::Time),
+            "base" if rest.is_empty() => {
+                let base = self.scopes[scope.0].base;
+                if base.is_none() {
+                    let message =
+                        "`base` is the frame an instance is placed in; the model has none";
+                    let error = Diagnostic::error("no-base", first.span, message);
+                    self.report(error.help("write `world`, or name the instance: `index.base`"));
+                }
+                return base.map(Entity::Frame);
+            }
+            _ => {}
+        }
+        match self.scopes[scope.0].names.get(first.text.as_str()) {
+            Some(&entry) => self.follow(entry, first, rest),
+            None if first.text == "pi" && rest.is_empty() => Some(Entity::Pi),
+            None if first.text == "lambda" && !rest.is_empty() => self.multiplier(scope, path),
+            None => {
+                self.unknown(scope, first);
+                None
+            }
+        }
+    }
+
+    /// As [`Self::entity`], without complaints.
+    pub(super) fn peek(&mut self, scope: ScopeId, path: &'a Path) -> Option<Entity> {
+        let before = self.out.len();
+        let entity = self.entity(scope, path);
+        self.out.truncate(before);
+        entity
+    }
+
+    fn follow(&mut self, entry: Entry, name: &'a Ident, rest: &'a [Ident]) -> Option<Entity> {
+        let (entry, name, rest) = match (entry, rest) {
+            (Entry::Instance(inner), [next, rest @ ..]) => {
+                if next.text == "base" && rest.is_empty() {
+                    return self.scopes[inner.0].base.map(Entity::Frame);
+                }
+                let Some(&found) = self.scopes[inner.0].names.get(next.text.as_str()) else {
+                    self.unknown_inside(inner, name, next);
+                    return None;
+                };
+                return self.follow(found, next, rest);
+            }
+            other => (other.0, name, other.1),
+        };
+        if let (Entry::Joint(joint), [part]) = (entry, rest) {
+            return self.joint_part(joint, name, part);
+        }
+        if let [part, ..] = rest
+            && entry != Entry::Broken
+        {
+            let message = format!("`{}` has no part `{}`", name.text, part.text);
+            self.report(Diagnostic::error("unknown-name", part.span, message));
+            return None;
+        }
+        Some(match entry {
+            Entry::Const(i) => Entity::Named(NamedId::Const(i)),
+            Entry::Param(i) => Entity::Named(NamedId::Param(i)),
+            Entry::Input(i) => Entity::Named(NamedId::Input(i)),
+            Entry::Argument(i) => Entity::Named(NamedId::Argument(i)),
+            Entry::Frame(i) => Entity::Frame(i),
+            Entry::Joint(i) => Entity::Joint(i),
+            Entry::Instance(i) => Entity::Instance(i),
+            Entry::Strand(i) => Entity::Strand(i),
+            Entry::Constraint(i) => Entity::Constraint(i),
+            Entry::Broken => return None,
+        })
+    }
+
+    fn joint_part(&mut self, joint: usize, name: &Ident, part: &Ident) -> Option<Entity> {
+        let raw = &self.joints[joint];
+        let kind = raw.kind?;
+        let range = raw.coordinates.clone();
+        let parts = scope::JOINT_KINDS.iter().find(|k| k.1 == kind).map_or(&[] as &[&str], |k| k.2);
+        if let Some(index) = parts.iter().position(|p| *p == part.text && !p.is_empty()) {
+            return Some(Entity::Coordinate(range.start + index));
+        }
+        let message = format!("`{}` has no coordinate `{}`", name.text, part.text);
+        let help = match range.len() {
+            1 => format!("it has one, called `{}`", name.text),
+            _ => self.parts_help(joint, &name.text),
+        };
+        self.report(Diagnostic::error("unknown-name", part.span, message).help(help));
+        None
+    }
+
+    fn unknown(&mut self, scope: ScopeId, name: &Ident) {
+        let message = format!("unknown name `{}`", name.text);
+        let mut error = Diagnostic::error("unknown-name", name.span, message);
+        if self.out.len() < SUGGEST_UP_TO {
+            let outside =
+                std::iter::successors(self.scopes[scope.0].outer, |s| self.scopes[s.0].outer)
+                    .any(|s| self.scopes[s.0].names.contains_key(name.text.as_str()));
+            let here = &self.scopes[scope.0];
+            let near = nearest(&name.text, here.names.keys().copied());
+            let within: Vec<String> = self.homes(scope, &name.text);
+            error = if outside {
+                error.help(format!(
+                    "`{}` stands outside: a component sees only its parameters and its own names; \
+                     pass it as a parameter",
+                    name.text
+                ))
+            } else if let Some(near) = near {
+                error.help(format!("did you mean `{near}`?"))
+            } else if let [home, ..] = within.as_slice() {
+                error.help(format!("did you mean `{home}`?"))
+            } else if reserved(&name.text) {
+                error.help(format!("`{}` is a reserved word", name.text))
+            } else {
+                error
+            };
+        }
+        self.report(error);
+    }
+
+    /// Instances of a scope that know a name.
+    fn homes(&self, scope: ScopeId, name: &str) -> Vec<String> {
+        let here = &self.scopes[scope.0];
+        here.names
+            .iter()
+            .filter_map(|(instance, entry)| match entry {
+                Entry::Instance(inner) if self.scopes[inner.0].names.contains_key(name) => {
+                    Some(format!("{instance}.{name}"))
+                }
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn unknown_inside(&mut self, inner: ScopeId, name: &Ident, part: &Ident) {
+        let message = format!("`{}` has no `{}`", name.text, part.text);
+        let names: Vec<&str> = self.scopes[inner.0].names.keys().copied().collect();
+        let help = match nearest(&part.text, names.iter().copied()) {
+            Some(near) => format!("did you mean `{}.{near}`?", name.text),
+            None if names.is_empty() => "it declares no names".to_string(),
+            None => {
+                let shown: Vec<&str> = names.iter().take(12).copied().collect();
+                let more = if names.len() > 12 { ", ..." } else { "" };
+                format!("it has {}{more}", shown.join(", "))
+            }
+        };
+        self.report(Diagnostic::error("unknown-name", part.span, message).help(help));
+    }
+
+    /// `lambda.C` or `lambda.C.row`.
+    fn multiplier(&mut self, scope: ScopeId, path: &'a Path) -> Option<Entity> {
+        let mut here = scope;
+        let mut parts = path.parts[1..].iter();
+        let mut name = parts.next()?;
+        let index = loop {
+            let level: &Scope<'a> = &self.scopes[here.0];
+            match (level.constraints.get(name.text.as_str()), level.names.get(name.text.as_str())) {
+                (Some(Entry::Constraint(index)), _) => break *index,
+                (Some(_), _) | (_, Some(Entry::Broken)) => return None,
+                (None, Some(Entry::Instance(inner))) if parts.len() > 0 => {
+                    here = *inner;
+                    name = parts.next()?;
+                }
+                _ => {
+                    let near = nearest(&name.text, level.constraints.keys().copied())
+                        .map(|n| format!("did you mean `{n}`?"));
+                    let message = format!("there is no constraint `{}`", name.text);
+                    self.report(
+                        Diagnostic::error("unknown-name", name.span, message).help_if(near),
+                    );
+                    return None;
+                }
+            }
+        };
+        let rows = self.constraint_rows(index)?;
+        let row = match parts.as_slice() {
+            [] if rows.len() == 1 => 0,
+            [row] => rows.iter().position(|r| r.0 == row.text).unwrap_or(usize::MAX),
+            _ => usize::MAX,
+        };
+        let Some(&(_, dimension)) = rows.get(row) else {
+            let known: Vec<String> =
+                rows.iter().map(|r| format!("`lambda.{}.{}`", name.text, r.0)).collect();
+            let help = match rows.len() {
+                1 if rows[0].0.is_empty() => format!("it has one row: `lambda.{}`", name.text),
+                _ => format!("its rows are {}", known.join(", ")),
+            };
+            let message = format!("this is not a row of the constraint `{}`", name.text);
+            self.report(Diagnostic::error("unknown-name", path.span, message).help(help));
+            return None;
+        };
+        Some(Entity::Multiplier(ConstraintId(index as u32), row as u32, dimension))
+    }
+
+    /// The frame a name stands for.
+    pub(super) fn frame(&mut self, scope: ScopeId, path: &'a Path) -> Option<usize> {
+        match self.entity(scope, path)? {
+            Entity::Frame(index) => Some(index),
+            Entity::Joint(index) => Some(self.joints[index].frame),
+            Entity::Instance(inner) => self.scopes[inner.0].base,
+            other => {
+                self.wrong_kind(path, other, "a frame", "not-a-frame");
+                None
+            }
+        }
+    }
+
+    /// The coordinates a name stands for: one, or all of a joint's.
+    pub(super) fn coordinates(
+        &mut self,
+        scope: ScopeId,
+        path: &'a Path,
+    ) -> Option<std::ops::Range<usize>> {
+        match self.entity(scope, path)? {
+            Entity::Coordinate(index) => Some(index..index + 1),
+            Entity::Joint(joint) => {
+                let range = self.joints[joint].coordinates.clone();
+                (!range.is_empty()).then_some(range)
+            }
+            other => {
+                self.wrong_kind(path, other, "a joint", "not-a-joint");
+                None
+            }
+        }
+    }
+
+    /// The single coordinate a name stands for.
+    pub(super) fn coordinate(&mut self, scope: ScopeId, path: &'a Path) -> Option<usize> {
+        let range = self.coordinates(scope, path)?;
+        if range.len() == 1 {
+            return Some(range.start);
+        }
+        let name = path.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>().join(".");
+        let joint = self.joint_of(range.start);
+        let help = self.parts_help(joint, &name);
+        let message = format!("`{name}` has {} coordinates: name one of them", range.len());
+        self.report(Diagnostic::error("which-coordinate", path.span, message).help(help));
+        None
+    }
+
+    pub(super) fn joint_of(&self, coordinate: usize) -> usize {
+        self.joints.partition_point(|j| j.coordinates.end <= coordinate)
+    }
+
+    /// The dimension of a coordinate: none for a rotation, a length for a translation.
+    pub(super) fn coordinate_dimension(&self, coordinate: usize) -> Option<Dimension> {
+        let joint = self.joints.get(self.joint_of(coordinate))?;
+        let part = coordinate - joint.coordinates.start;
+        let translates = match joint.kind? {
+            JointKind::Prismatic => true,
+            JointKind::Planar => part < 2,
+            JointKind::Free => part < 3,
+            JointKind::Revolute | JointKind::Screw | JointKind::Universal => false,
+        };
+        Some(if translates { Dimension::LENGTH } else { Dimension::NONE })
+    }
+
+    pub(super) fn wrong_kind(
+        &mut self,
+        path: &Path,
+        found: Entity,
+        want: &str,
+        code: &'static str,
+    ) {
+        let what = match found {
+            Entity::Time => "time",
+            Entity::Pi => "a number",
+            Entity::Named(NamedId::Const(_)) => "a const",
+            Entity::Named(NamedId::Param(_)) => "a param",
+            Entity::Named(NamedId::Input(_)) => "an input",
+            Entity::Named(NamedId::Argument(_)) => "a parameter of the component",
+            Entity::Frame(_) => "a frame",
+            Entity::Joint(_) => "a joint",
+            Entity::Coordinate(_) => "a coordinate",
+            Entity::Instance(_) => "an instance of a component",
+            Entity::Strand(_) => "a strand",
+            Entity::Constraint(_) => "a constraint",
+            Entity::Multiplier(..) => "a multiplier",
+        };
+        let name = path.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>().join(".");
+        let message = format!("expected {want}, but `{name}` is {what}");
+        self.report(Diagnostic::error(code, path.span, message));
+    }
+}

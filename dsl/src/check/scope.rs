@@ -1,0 +1,448 @@
+//! Bodies walked once: instances opened, names entered.
+
+use super::{Checker, Item, Named, Program, RawFrame, RawJoint, State};
+use crate::ast::{self, Decl, DeclKind};
+use crate::diagnostic::Diagnostic;
+use crate::hir::{JointKind, Name};
+use crate::source::Span;
+use crate::suggest::nearest;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Most declarations of a model, over all instances.
+const MAX_WALKED: usize = 200_000;
+/// Deepest nesting of instances.
+const MAX_INSTANCES: usize = 64;
+
+/// Index of a scope.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct ScopeId(pub(super) usize);
+
+/// Index of a component's definition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct ComponentId(pub(super) usize);
+
+/// A component and the components it sees.
+#[derive(Clone)]
+pub(super) struct Definition<'a> {
+    pub(super) decl: &'a Decl,
+    pub(super) env: Rc<Env>,
+}
+
+/// Components visible in a body; its own first, then those around it.
+#[derive(Debug, Default)]
+pub(super) struct Env {
+    names: BTreeMap<String, ComponentId>,
+    outer: Option<Rc<Env>>,
+}
+
+impl Env {
+    fn find(&self, name: &str) -> Option<ComponentId> {
+        match self.names.get(name) {
+            Some(id) => Some(*id),
+            None => self.outer.as_ref().and_then(|o| o.find(name)),
+        }
+    }
+
+    fn all(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.names.keys().map(String::as_str).collect();
+        if let Some(outer) = &self.outer {
+            names.extend(outer.all());
+        }
+        names
+    }
+}
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Entry {
+    Const(usize),
+    Param(usize),
+    Input(usize),
+    Argument(usize),
+    Frame(usize),
+    Joint(usize),
+    Instance(ScopeId),
+    Strand(usize),
+    Constraint(usize),
+    /// Declared, but not readable: what depends on it is not reported.
+    Broken,
+}
+
+/// The names of the model or of one instance.
+pub(super) struct Scope<'a> {
+    /// `index.` or nothing.
+    pub(super) prefix: String,
+    /// Where the instance is placed.
+    pub(super) outer: Option<ScopeId>,
+    /// Frame of the instance's `base`.
+    pub(super) base: Option<usize>,
+    pub(super) names: BTreeMap<&'a str, Entry>,
+    pub(super) constraints: BTreeMap<&'a str, Entry>,
+}
+
+/// Names already taken. What an expression or a frame position can mean is one space; masses,
+/// loads and constraints are never mistaken for these and have spaces of their own.
+#[derive(Default)]
+pub(super) struct Taken(BTreeMap<(&'static str, String), (String, Span)>);
+
+impl<'a> Checker<'a> {
+    /// Registers the components of all files; answers what the first file sees.
+    pub(super) fn define(&mut self, program: &Program<'a>) -> Rc<Env> {
+        let mut ids: Vec<Vec<ComponentId>> = Vec::new();
+        for file in &program.components {
+            ids.push(
+                file.declared
+                    .iter()
+                    .map(|decl| {
+                        self.components.push(Definition { decl, env: Rc::default() });
+                        ComponentId(self.components.len() - 1)
+                    })
+                    .collect(),
+            );
+        }
+        let mut first = None;
+        for (index, file) in program.components.iter().enumerate() {
+            let mut names: BTreeMap<String, ComponentId> = BTreeMap::new();
+            for &seen in std::iter::once(&index).chain(&file.visible) {
+                for &id in &ids[seen] {
+                    self.define_name(&mut names, id);
+                }
+            }
+            let env = Rc::new(Env { names, outer: None });
+            for id in &ids[index] {
+                self.components[id.0].env = env.clone();
+            }
+            first.get_or_insert(env);
+        }
+        first.unwrap_or_default()
+    }
+
+    fn define_name(&mut self, names: &mut BTreeMap<String, ComponentId>, id: ComponentId) {
+        let name = &self.components[id.0].decl.name;
+        match names.get(&name.text) {
+            Some(&other) if other != id => {
+                let first = self.components[other.0].decl.name.span;
+                let message = format!("two components are called `{}`", name.text);
+                let (a, b) = if name.span.file == first.file {
+                    (name.span, first)
+                } else {
+                    (first, name.span)
+                };
+                self.report(Diagnostic::error("duplicate", a, message).also(b, "the other one"));
+            }
+            _ => {
+                names.insert(name.text.clone(), id);
+            }
+        }
+    }
+
+    pub(super) fn open(
+        &mut self,
+        prefix: String,
+        outer: Option<ScopeId>,
+        base: Option<usize>,
+    ) -> ScopeId {
+        let (names, constraints) = (BTreeMap::new(), BTreeMap::new());
+        self.scopes.push(Scope { prefix, outer, base, names, constraints });
+        ScopeId(self.scopes.len() - 1)
+    }
+
+    /// Enters the declarations of a body; `inside` are the components being placed.
+    pub(super) fn walk(
+        &mut self,
+        scope: ScopeId,
+        body: &'a [Decl],
+        env: &Rc<Env>,
+        inside: &mut Vec<ComponentId>,
+    ) {
+        let nested: Vec<&Decl> =
+            body.iter().filter(|d| matches!(d.kind, DeclKind::Component(_))).collect();
+        let mut own = env.clone();
+        if !nested.is_empty() {
+            let mut names = BTreeMap::new();
+            let from = self.components.len();
+            for decl in nested {
+                self.components.push(Definition { decl, env: env.clone() });
+                self.define_name(&mut names, ComponentId(self.components.len() - 1));
+            }
+            own = Rc::new(Env { names, outer: Some(env.clone()) });
+            for definition in &mut self.components[from..] {
+                definition.env = own.clone();
+            }
+        }
+        for decl in body {
+            self.walked += 1;
+            if self.walked == MAX_WALKED {
+                let message = format!("the model has more than {MAX_WALKED} declarations");
+                self.report(Diagnostic::error("too-large", decl.span, message));
+            }
+            if self.walked >= MAX_WALKED {
+                return;
+            }
+            self.enter(scope, decl, &own, inside);
+        }
+    }
+
+    fn enter(
+        &mut self,
+        scope: ScopeId,
+        decl: &'a Decl,
+        env: &Rc<Env>,
+        inside: &mut Vec<ComponentId>,
+    ) {
+        let name = self.full_name(scope, decl);
+        let item = Item { scope, decl, name: name.clone() };
+        let named = |value: &'a ast::Expr| Named {
+            scope,
+            name: name.clone(),
+            value: Some(value),
+            dimension: None,
+            state: State::Pending,
+        };
+        let entry = match &decl.kind {
+            DeclKind::Const(value) => {
+                self.consts.push(named(value));
+                Entry::Const(self.consts.len() - 1)
+            }
+            DeclKind::Param(value) => {
+                self.params.push(named(value));
+                Entry::Param(self.params.len() - 1)
+            }
+            DeclKind::Input(value) => {
+                self.inputs.push(named(value));
+                Entry::Input(self.inputs.len() - 1)
+            }
+            DeclKind::Frame(placement) => {
+                self.frames.push(RawFrame { scope, name, placement: Some(placement), joint: None });
+                Entry::Frame(self.frames.len() - 1)
+            }
+            DeclKind::Joint(kind, _, placement, _) => {
+                self.enter_joint(scope, item, kind, placement)
+            }
+            DeclKind::Mass(..) => {
+                self.take("mass", &name);
+                return self.masses.push(item);
+            }
+            DeclKind::Torque(..) => {
+                self.take("load", &name);
+                return self.torques.push(item);
+            }
+            DeclKind::Force(..) => {
+                self.take("load", &name);
+                return self.forces.push(item);
+            }
+            DeclKind::Constraint(_) => {
+                if self.take("constraint", &name) {
+                    let entry = Entry::Constraint(self.constraints.len());
+                    self.scopes[scope.0].constraints.insert(&decl.name.text, entry);
+                }
+                return self.constraints.push(item);
+            }
+            DeclKind::Strand(..) => {
+                self.strands.push(item);
+                Entry::Strand(self.strands.len() - 1)
+            }
+            DeclKind::Place(component, arguments, placement) => {
+                match self.place(scope, item, component, arguments, placement, env, inside) {
+                    Some(instance) => Entry::Instance(instance),
+                    None => Entry::Broken,
+                }
+            }
+            DeclKind::Node => {
+                self.report(
+                    Diagnostic::error("unsupported", decl.span, "`node` is not supported yet")
+                        .help("end the strand on a frame, or split it into several strands"),
+                );
+                Entry::Broken
+            }
+            DeclKind::Component(_) | DeclKind::Import(_) => return,
+            DeclKind::Broken => {
+                if !decl.name.text.is_empty() {
+                    let names = &mut self.scopes[scope.0];
+                    names.names.entry(&decl.name.text).or_insert(Entry::Broken);
+                    names.constraints.entry(&decl.name.text).or_insert(Entry::Broken);
+                }
+                return;
+            }
+            DeclKind::Gravity(_) | DeclKind::Scenario(_) if inside.is_empty() => {
+                return match decl.kind {
+                    DeclKind::Gravity(_) => self.gravity.push(decl),
+                    _ => self.scenarios.push(decl),
+                };
+            }
+            DeclKind::Gravity(_) | DeclKind::Scenario(_) | DeclKind::Model(_) => {
+                let what = match decl.kind {
+                    DeclKind::Gravity(_) => "`gravity`",
+                    DeclKind::Scenario(_) => "a `scenario`",
+                    _ => "a `model`",
+                };
+                let place = if inside.is_empty() { "a model" } else { "a component" };
+                let message = format!("{what} cannot stand in {place}");
+                return self.report(Diagnostic::error("misplaced", decl.span, message));
+            }
+        };
+        if self.take(
+            "name",
+            &Name {
+                text: self.full_name(scope, decl).text,
+                doc: String::new(),
+                span: decl.name.span,
+            },
+        ) {
+            self.scopes[scope.0].names.insert(&decl.name.text, entry);
+        }
+    }
+
+    fn full_name(&self, scope: ScopeId, decl: &Decl) -> Name {
+        let text = format!("{}{}", self.scopes[scope.0].prefix, decl.name.text);
+        Name { text, doc: decl.doc.clone(), span: decl.name.span }
+    }
+
+    /// Takes a name in a space; `false`, with a diagnostic, if it or one like it is taken.
+    pub(super) fn take(&mut self, space: &'static str, name: &Name) -> bool {
+        let key = (space, name.text.replace('.', "_").to_lowercase());
+        let Some((other, span)) = self.taken.0.get(&key) else {
+            self.taken.0.insert(key, (name.text.clone(), name.span));
+            return true;
+        };
+        let message = match *other == name.text {
+            true => format!("the name `{other}` is given twice"),
+            false => format!("the names `{other}` and `{}` differ too little", name.text),
+        };
+        let mut error = Diagnostic::error("duplicate", name.span, message);
+        if *span != name.span {
+            error = error.also(*span, "first given here");
+        }
+        if *other != name.text {
+            error = error.help("generated code writes both alike: names must differ by more than case, `.` and `_`");
+        }
+        let same = *other == name.text;
+        self.report(error);
+        !same
+    }
+
+    fn enter_joint(
+        &mut self,
+        scope: ScopeId,
+        item: Item<'a>,
+        kind: &'a ast::Ident,
+        placement: &'a ast::Placement,
+    ) -> Entry {
+        let known = JOINT_KINDS.iter().find(|k| k.0 == kind.text);
+        if known.is_none() {
+            let names: Vec<&str> = JOINT_KINDS.iter().map(|k| k.0).collect();
+            let message = format!("unknown kind of joint `{}`", kind.text);
+            let help = match nearest(&kind.text, names.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("known are {}", names.join(", ")),
+            };
+            self.report(Diagnostic::error("unknown-joint", kind.span, message).help(help));
+        }
+        let index = self.joints.len();
+        let name = item.name.clone();
+        let parts = known.map_or(&[] as &[&str], |k| k.2);
+        let first = self.coordinate_names.len();
+        for part in parts {
+            let text = match part.is_empty() {
+                true => name.text.clone(),
+                false => format!("{}.{part}", name.text),
+            };
+            if !part.is_empty() {
+                self.take(
+                    "name",
+                    &Name { text: text.clone(), doc: String::new(), span: name.span },
+                );
+            }
+            self.coordinate_names.push(text);
+        }
+        self.frames.push(RawFrame { scope, name, placement: Some(placement), joint: Some(index) });
+        self.joints.push(RawJoint {
+            item,
+            kind: known.map(|k| k.1),
+            frame: self.frames.len() - 1,
+            coordinates: first..first + parts.len(),
+        });
+        Entry::Joint(index)
+    }
+
+    fn place(
+        &mut self,
+        scope: ScopeId,
+        item: Item<'a>,
+        component: &'a ast::Ident,
+        arguments: &'a [ast::Argument],
+        placement: &'a ast::Placement,
+        env: &Rc<Env>,
+        inside: &mut Vec<ComponentId>,
+    ) -> Option<ScopeId> {
+        let Some(id) = env.find(&component.text) else {
+            let message = format!("there is no component `{}`", component.text);
+            let near = nearest(&component.text, env.all()).map(|n| format!("did you mean `{n}`?"));
+            self.report(
+                Diagnostic::error("unknown-component", component.span, message)
+                    .help("declare it with `component`, or import the file that does")
+                    .help_if(near),
+            );
+            return None;
+        };
+        self.placed.insert(id);
+        if let Some(start) = inside.iter().position(|&i| i == id) {
+            let mut chain: Vec<&str> =
+                inside[start..].iter().map(|i| &*self.components[i.0].decl.name.text).collect();
+            chain.push(&component.text);
+            let message = format!("a component places itself: {}", chain.join(" -> "));
+            self.report(Diagnostic::error("recursion", component.span, message));
+            return None;
+        }
+        if inside.len() >= MAX_INSTANCES {
+            let message = format!("components are placed more than {MAX_INSTANCES} deep");
+            self.report(Diagnostic::error("too-deep", component.span, message));
+            return None;
+        }
+        let base_name = Name { text: format!("{}.base", item.name.text), ..item.name.clone() };
+        self.frames.push(RawFrame {
+            scope,
+            name: base_name,
+            placement: Some(placement),
+            joint: None,
+        });
+        let prefix = format!("{}.", item.name.text);
+        let instance = self.open(prefix, Some(scope), Some(self.frames.len() - 1));
+        self.bind_arguments(scope, instance, id, arguments, component.span);
+        self.fill_instance(instance, id, inside);
+        Some(instance)
+    }
+
+    fn fill_instance(&mut self, instance: ScopeId, id: ComponentId, inside: &mut Vec<ComponentId>) {
+        let decl = self.components[id.0].decl;
+        let env = self.components[id.0].env.clone();
+        if let DeclKind::Component(component) = &decl.kind {
+            inside.push(id);
+            self.walk(instance, &component.body, &env, inside);
+            inside.pop();
+        }
+    }
+
+    /// Opens an instance whose arguments have no value, to check a component that is never placed.
+    pub(super) fn probe_instance(&mut self, root: ScopeId, id: ComponentId) {
+        self.placed.insert(id);
+        let decl = self.components[id.0].decl;
+        let name = Name { text: "base".into(), doc: String::new(), span: decl.name.span };
+        self.frames.push(RawFrame { scope: root, name, placement: None, joint: None });
+        let instance = self.open(String::new(), None, Some(1));
+        self.bind_probe(instance, id);
+        self.fill_instance(instance, id, &mut Vec::new());
+    }
+}
+
+/// Kinds of joints with the parts of their coordinates.
+#[rustfmt::skip]
+pub(super) const JOINT_KINDS: [(&str, JointKind, &[&str]); 6] = [
+    ("revolute", JointKind::Revolute, &[""]),
+    ("prismatic", JointKind::Prismatic, &[""]),
+    ("screw", JointKind::Screw, &[""]),
+    ("universal", JointKind::Universal, &["a", "b"]),
+    ("planar", JointKind::Planar, &["u", "v", "r"]),
+    ("free", JointKind::Free, &["tx", "ty", "tz", "rx", "ry", "rz"]),
+];

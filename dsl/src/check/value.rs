@@ -1,0 +1,363 @@
+//! Named values: constants, parameters, inputs and the arguments of instances.
+//!
+//! They are evaluated when first needed, in any order; one that needs itself is reported.
+
+use super::depend::May;
+use super::fold::{apply, call, holds};
+use super::scope::{ComponentId, Entry, ScopeId};
+use super::{Checker, Named, State, Value, constant, number};
+use crate::ast::{Argument, Component, DeclKind, UnitExpr};
+use crate::diagnostic::Diagnostic;
+use crate::dimension::Dimension;
+use crate::hir::{self, Expr, ExprKind, InputId, Name, ParamId};
+use crate::source::Span;
+use crate::suggest::nearest;
+
+/// Stands for an argument of any value while a component is checked by itself.
+const PROBE: ParamId = ParamId(u32::MAX);
+/// Its value where one is needed: nothing a model would single out.
+const PROBE_VALUE: f64 = 0.739_085_133;
+/// Most nodes of an argument, since every use repeats it.
+const MAX_NODES: usize = 4000;
+
+/// Names of dimensions for parameters of components.
+#[rustfmt::skip]
+const DIMENSIONS: [(&str, Dimension); 15] = [
+    ("Number", Dimension::NONE), ("Angle", Dimension::ANGLE), ("Length", Dimension::LENGTH),
+    ("Time", Dimension::TIME), ("Mass", Dimension::MASS), ("Density", Dimension::DENSITY),
+    ("Inertia", Dimension::INERTIA), ("Velocity", Dimension::VELOCITY),
+    ("AngularVelocity", Dimension::ANGULAR_VELOCITY), ("Force", Dimension::FORCE),
+    ("Torque", Dimension::TORQUE), ("Stiffness", Dimension::STIFFNESS),
+    ("Damping", Dimension::DAMPING), ("Energy", Dimension::ENERGY),
+    ("Pressure", Dimension::PRESSURE),
+];
+
+/// A named value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NamedId {
+    Const(usize),
+    Param(usize),
+    Input(usize),
+    Argument(usize),
+}
+
+impl<'a> Checker<'a> {
+    fn slot(&mut self, id: NamedId) -> &mut Named<'a> {
+        match id {
+            NamedId::Const(i) => &mut self.consts[i],
+            NamedId::Param(i) => &mut self.params[i],
+            NamedId::Input(i) => &mut self.inputs[i],
+            NamedId::Argument(i) => &mut self.arguments[i],
+        }
+    }
+
+    /// What stands for a named value in an expression.
+    pub(super) fn named(&mut self, id: NamedId, span: Span) -> Option<Value> {
+        let value = self.evaluate(id, span)?;
+        let kind = match id {
+            NamedId::Const(_) | NamedId::Argument(_) => return Some(value),
+            NamedId::Param(i) => ExprKind::Param(ParamId(i as u32)),
+            NamedId::Input(i) => ExprKind::Input(InputId(i as u32)),
+        };
+        match value {
+            Value::Scalar(e) => Some(Value::Scalar(Expr { kind, dimension: e.dimension, span })),
+            Value::Vector(_) => None,
+        }
+    }
+
+    /// The value or default of a named value.
+    fn evaluate(&mut self, id: NamedId, span: Span) -> Option<Value> {
+        match &self.slot(id).state {
+            State::Done(value) => return value.clone(),
+            State::Busy => {
+                let name = self.slot(id).name.clone();
+                let message = format!("`{}` is defined by itself", name.text);
+                let mut error = Diagnostic::error("cycle", name.span, message);
+                if span != name.span {
+                    error = error.also(span, "which leads back to it");
+                }
+                self.report(error);
+                return None;
+            }
+            State::Pending => {}
+        }
+        self.slot(id).state = State::Busy;
+        let value = self.evaluate_now(id);
+        self.slot(id).state = State::Done(value.clone());
+        value
+    }
+
+    fn evaluate_now(&mut self, id: NamedId) -> Option<Value> {
+        let slot = self.slot(id);
+        let (scope, text, name, dimension) =
+            (slot.scope, slot.value?, slot.name.clone(), slot.dimension);
+        match id {
+            NamedId::Const(_) => {
+                let value = self.value(scope, text)?;
+                let items = match &value {
+                    Value::Scalar(e) => std::slice::from_ref(e),
+                    Value::Vector(items) => items,
+                };
+                for e in items {
+                    self.depends(e, May::CONST, "a `const`")?;
+                }
+                Some(value)
+            }
+            NamedId::Param(i) => {
+                let value = self.scalar(scope, text)?;
+                self.depends(&value, May::PARAMS, "the default of a `param`")?;
+                let default = self.default_of(&value);
+                let default = self.finite(default, value.dimension, text.span)?;
+                if self.param_values.len() <= i {
+                    self.param_values.resize(self.params.len(), 0.0);
+                }
+                self.param_values[i] = constant(&default)?;
+                Some(Value::Scalar(default))
+            }
+            NamedId::Input(_) => {
+                let value = self.scalar(scope, text)?;
+                self.depends(&value, May::TIME, "the default of an `input`")?;
+                Some(Value::Scalar(value))
+            }
+            NamedId::Argument(_) => {
+                let value = self.scalar(scope, text)?;
+                let what = format!("`{}`", name.text);
+                let value = match dimension {
+                    Some(want) => self.fit(value, want, &what, Some(text))?,
+                    None => value,
+                };
+                if nodes(&value) > MAX_NODES {
+                    let message = "this argument has grown too large";
+                    let error = Diagnostic::error("too-large", text.span, message);
+                    self.report(error.help("an argument is repeated wherever it is used"));
+                    return None;
+                }
+                Some(Value::Scalar(value))
+            }
+        }
+    }
+
+    /// Value of an expression with every parameter at its default.
+    fn default_of(&self, expr: &Expr) -> f64 {
+        match &expr.kind {
+            ExprKind::Number(value) => *value,
+            ExprKind::Param(PROBE) => PROBE_VALUE,
+            ExprKind::Param(id) => self.param_values.get(id.index()).copied().unwrap_or(f64::NAN),
+            ExprKind::Neg(inner) => -self.default_of(inner),
+            ExprKind::Binary(op, a, b) => apply(*op, self.default_of(a), self.default_of(b)),
+            ExprKind::Call(function, arguments) => {
+                let values: Vec<f64> = arguments.iter().map(|a| self.default_of(a)).collect();
+                call(*function, &values).unwrap_or(f64::NAN)
+            }
+            ExprKind::If { compare, left, right, then, otherwise } => {
+                match holds(*compare, self.default_of(left), self.default_of(right)) {
+                    true => self.default_of(then),
+                    false => self.default_of(otherwise),
+                }
+            }
+            _ => f64::NAN,
+        }
+    }
+
+    pub(super) fn finish_consts(&mut self) -> Vec<hir::Const> {
+        let mut consts = Vec::new();
+        for i in 0..self.consts.len() {
+            let name = self.consts[i].name.clone();
+            match self.evaluate(NamedId::Const(i), name.span) {
+                Some(Value::Scalar(e)) => consts.extend(constant(&e).map(|value| hir::Const {
+                    name,
+                    value,
+                    dimension: e.dimension,
+                })),
+                // A vector is kept as its components.
+                Some(Value::Vector(items)) => {
+                    for (e, axis) in items.iter().zip(["x", "y", "z"]) {
+                        let name = Name { text: format!("{}.{axis}", name.text), ..name.clone() };
+                        consts.extend(constant(e).map(|value| hir::Const {
+                            name,
+                            value,
+                            dimension: e.dimension,
+                        }));
+                    }
+                }
+                None => {}
+            }
+        }
+        consts
+    }
+
+    pub(super) fn finish_params(&mut self) -> Vec<hir::Param> {
+        let mut params = Vec::new();
+        for i in 0..self.params.len() {
+            let name = self.params[i].name.clone();
+            if let Some(Value::Scalar(e)) = self.evaluate(NamedId::Param(i), name.span)
+                && let Some(default) = constant(&e)
+            {
+                params.push(hir::Param { name, default, dimension: e.dimension });
+            }
+        }
+        params
+    }
+
+    pub(super) fn finish_inputs(&mut self) -> Vec<hir::Input> {
+        let mut inputs = Vec::new();
+        for i in 0..self.inputs.len() {
+            let name = self.inputs[i].name.clone();
+            if let Some(Value::Scalar(default)) = self.evaluate(NamedId::Input(i), name.span) {
+                inputs.push(hir::Input { name, default });
+            }
+        }
+        inputs
+    }
+
+    /// Arguments nothing used are still checked.
+    pub(super) fn finish_arguments(&mut self) {
+        for i in 0..self.arguments.len() {
+            let span = self.arguments[i].name.span;
+            self.evaluate(NamedId::Argument(i), span);
+        }
+    }
+
+    /// The dimension a parameter of a component declares.
+    fn declared(&mut self, unit: &UnitExpr) -> Option<Dimension> {
+        if let [only] = unit.factors.as_slice()
+            && only.exponent == 1
+        {
+            let name = &only.name;
+            if let Some(known) = DIMENSIONS.iter().find(|d| d.0 == name.text) {
+                return Some(known.1);
+            }
+            if crate::unit::Unit::named(&name.text).is_none() {
+                let all: Vec<&str> = DIMENSIONS.iter().map(|d| d.0).collect();
+                let help = match nearest(&name.text, all.iter().copied()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("known are {}, or a unit such as `N*m/rad`", all.join(", ")),
+                };
+                let message = format!("unknown dimension `{}`", name.text);
+                self.report(Diagnostic::error("unknown-dimension", name.span, message).help(help));
+                return None;
+            }
+        }
+        self.unit(unit).map(|u| u.dimension)
+    }
+
+    fn component(&self, id: ComponentId) -> Option<&'a Component> {
+        match &self.components[id.0].decl.kind {
+            DeclKind::Component(component) => Some(component),
+            _ => None,
+        }
+    }
+
+    /// Enters the parameters of an instance with what the `place` gives for them.
+    pub(super) fn bind_arguments(
+        &mut self,
+        outer: ScopeId,
+        instance: ScopeId,
+        id: ComponentId,
+        given: &'a [Argument],
+        span: Span,
+    ) {
+        let Some(component) = self.component(id) else { return };
+        let component_name = &self.components[id.0].decl.name;
+        let known: Vec<&str> = component.parameters.iter().map(|p| p.name.text.as_str()).collect();
+        let mut taken: Vec<Option<&'a Argument>> = vec![None; known.len()];
+        for argument in given {
+            let Some(name) = &argument.name else {
+                let error =
+                    Diagnostic::error("argument", argument.value.span, "arguments are named");
+                self.report(error.help("write `name = value`"));
+                continue;
+            };
+            match known.iter().position(|k| *k == name.text) {
+                Some(i) if taken[i].is_none() => taken[i] = Some(argument),
+                Some(_) => {
+                    let message = format!("the argument `{}` is given twice", name.text);
+                    self.report(Diagnostic::error("duplicate", name.span, message));
+                }
+                None => {
+                    let message =
+                        format!("`{}` has no parameter `{}`", component_name.text, name.text);
+                    let help = match nearest(&name.text, known.iter().copied()) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None if known.is_empty() => "it has none".to_string(),
+                        None => format!("it has {}", known.join(", ")),
+                    };
+                    self.report(
+                        Diagnostic::error("unknown-argument", name.span, message).help(help),
+                    );
+                }
+            }
+        }
+        for (parameter, argument) in component.parameters.iter().zip(taken) {
+            let dimension = self.declared(&parameter.dimension);
+            let (scope, value) = match argument {
+                Some(argument) => (outer, Some(&argument.value)),
+                None => (instance, parameter.default.as_ref()),
+            };
+            if value.is_none() {
+                let message = format!(
+                    "`{}` needs the argument `{}`",
+                    component_name.text, parameter.name.text
+                );
+                self.report(
+                    Diagnostic::error("missing-argument", span, message)
+                        .also(parameter.name.span, "declared here without a default"),
+                );
+            }
+            let broken = value.is_none() || dimension.is_none();
+            let state = if broken { State::Done(None) } else { State::Pending };
+            self.bind(instance, scope, parameter, value, dimension, state);
+        }
+    }
+
+    fn bind(
+        &mut self,
+        instance: ScopeId,
+        scope: ScopeId,
+        parameter: &'a crate::ast::Parameter,
+        value: Option<&'a crate::ast::Expr>,
+        dimension: Option<Dimension>,
+        state: State,
+    ) {
+        let ident = &parameter.name;
+        let name = Name { text: ident.text.clone(), doc: String::new(), span: ident.span };
+        let full = format!("{}{}", self.scopes[instance.0].prefix, ident.text);
+        let entered = Name { text: full, ..name.clone() };
+        self.arguments.push(Named { scope, name, value, dimension, state });
+        let entry = Entry::Argument(self.arguments.len() - 1);
+        if self.take("name", &entered) {
+            self.scopes[instance.0].names.insert(&ident.text, entry);
+        }
+    }
+
+    /// Enters the parameters of a component that is checked by itself.
+    pub(super) fn bind_probe(&mut self, instance: ScopeId, id: ComponentId) {
+        let Some(component) = self.component(id) else { return };
+        for parameter in &component.parameters {
+            let span = parameter.name.span;
+            let dimension = self.declared(&parameter.dimension);
+            if let (Some(default), Some(want)) = (&parameter.default, dimension) {
+                let name = Name { text: parameter.name.text.clone(), doc: String::new(), span };
+                let (value, dimension) = (Some(default), Some(want));
+                let state = State::Pending;
+                self.arguments.push(Named { scope: instance, name, value, dimension, state });
+            }
+            let value = dimension.map(|dimension| {
+                Value::Scalar(Expr { kind: ExprKind::Param(PROBE), ..number(0.0, dimension, span) })
+            });
+            self.bind(instance, instance, parameter, None, dimension, State::Done(value));
+        }
+    }
+}
+
+fn nodes(expr: &Expr) -> usize {
+    1 + match &expr.kind {
+        ExprKind::Neg(inner) => nodes(inner),
+        ExprKind::Binary(_, a, b) => nodes(a) + nodes(b),
+        ExprKind::Call(_, arguments) => arguments.iter().map(nodes).sum(),
+        ExprKind::If { left, right, then, otherwise, .. } => {
+            [left, right, then, otherwise].iter().map(|e| nodes(e)).sum()
+        }
+        _ => 0,
+    }
+}
