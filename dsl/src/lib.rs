@@ -11,6 +11,7 @@
 pub mod ast;
 pub mod diagnostic;
 pub mod dimension;
+pub mod format;
 pub mod hir;
 pub mod source;
 pub mod unit;
