@@ -15,7 +15,7 @@ use crate::model::{Midpoint, Model};
 use crate::solve::BlockSystem;
 
 /// Residuals below this many units of rounding of their own equation are converged.
-const FLOOR: f64 = 16.0 * f64::EPSILON;
+const FLOOR: f64 = 1.0 * f64::EPSILON;
 /// A Newton correction below this, relative to its coordinate, that no longer lowers the residual
 /// has reached the floor.
 const STAGNATION: f64 = 1e-12;
