@@ -1,7 +1,7 @@
 //! The generated `interface.rs`: the model as the integrator sees it.
 
 use super::imports;
-use super::modules::{Placed, path};
+use super::modules::{Placed, folder, path};
 use super::names::Names;
 use crate::emit::print::identifier;
 use crate::stage::Module;
@@ -192,8 +192,14 @@ pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
         &rest,
     );
     let arrays = imports::from(quote!(handc_core::array), &["sized", "sized_mut"], &rest);
-    let local = ["blocks", "constraints", "energy", "scenarios", "strands", "time"];
-    // A module counts as mentioned only before `::`, but no argument shares these names.
+    // Some methods are called like modules, so only modules that there are may be imported.
+    let local: Vec<&str> = ["blocks", "constraints", "energy", "scenarios", "strands", "time"]
+        .into_iter()
+        .filter(|name| match *name {
+            "scenarios" => names.scenarios.len() > 0,
+            name => functions.iter().any(|placed| folder(placed.module) == name),
+        })
+        .collect();
     let local = imports::from(quote!(crate), &local, &rest);
     let indices = imports::from(quote!(crate::layout), &["scenario"], &scenario_arms(&rest, names));
     quote! {

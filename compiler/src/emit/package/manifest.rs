@@ -1,6 +1,6 @@
 //! The generated manifest, library root and runner.
 
-use super::modules::file;
+use super::modules::{file, folder};
 use super::names::Names;
 use crate::emit::print::identifier;
 use crate::stage::Module;
@@ -65,19 +65,7 @@ pub(super) fn library(mechanism: &Mechanism, names: &Names, modules: &[Module]) 
         let text = if line.is_empty() { String::new() } else { format!(" {line}") };
         quote!(#![doc = #text])
     });
-    let mut top: Vec<&str> = modules
-        .iter()
-        .map(|module| match module {
-            Module::Block(_) => "blocks",
-            Module::Strands => "strands",
-            Module::Constraints => "constraints",
-            Module::Energy => "energy",
-            Module::Frames => "frames",
-            Module::Time => "time",
-            Module::Scenario(_) => "scenarios",
-            Module::Values => "values",
-        })
-        .collect();
+    let mut top: Vec<&str> = modules.iter().map(|&module| folder(module)).collect();
     top.extend(["layout", "parameters"]);
     top.sort_unstable();
     top.dedup();
@@ -101,7 +89,7 @@ pub(super) fn library(mechanism: &Mechanism, names: &Names, modules: &[Module]) 
 
 /// `blocks/mod.rs` and `scenarios/mod.rs`, where there are such modules.
 pub(super) fn folders(names: &Names, modules: &[Module]) -> Vec<(String, TokenStream)> {
-    let folder = |folder: &str, doc: &str| {
+    let list = |folder: &str, doc: &str| {
         let own: Vec<_> = modules
             .iter()
             .map(|&module| file(module, names))
@@ -115,8 +103,8 @@ pub(super) fn folders(names: &Names, modules: &[Module]) -> Vec<(String, TokenSt
             .then(|| (format!("{folder}/mod.rs"), quote!(#![doc = #doc] #(pub mod #own;)*)))
     };
     [
-        folder("blocks", "Blocks of the step equations: coordinates that a step couples."),
-        folder("scenarios", "Scenarios of the model."),
+        list("blocks", "Blocks of the step equations: coordinates that a step couples."),
+        list("scenarios", "Scenarios of the model."),
     ]
     .into_iter()
     .flatten()

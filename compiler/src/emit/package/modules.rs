@@ -35,26 +35,30 @@ pub(super) fn functions(staged: &Staged, names: &Names) -> Vec<Placed> {
         .collect()
 }
 
+/// The module of the crate's root that a module is or lies in.
+pub(super) fn folder(module: Module) -> &'static str {
+    match module {
+        Module::Block(_) => "blocks",
+        Module::Strands => "strands",
+        Module::Constraints => "constraints",
+        Module::Energy => "energy",
+        Module::Frames => "frames",
+        Module::Time => "time",
+        Module::Scenario(_) => "scenarios",
+        Module::Values => "values",
+    }
+}
+
 /// Path inside the crate: `blocks::index`.
 pub(super) fn path(module: Module, names: &Names) -> TokenStream {
-    let (folder, name) = match module {
-        Module::Block(index) => (Some("blocks"), names.blocks[index].as_str()),
-        Module::Scenario(index) => (Some("scenarios"), names.scenario_modules[index].as_str()),
-        Module::Strands => (None, "strands"),
-        Module::Constraints => (None, "constraints"),
-        Module::Energy => (None, "energy"),
-        Module::Frames => (None, "frames"),
-        Module::Time => (None, "time"),
-        Module::Values => (None, "values"),
+    let folder = identifier(folder(module));
+    let inner = match module {
+        Module::Block(index) => &names.blocks[index],
+        Module::Scenario(index) => &names.scenario_modules[index],
+        _ => return quote!(#folder::),
     };
-    let name = identifier(name);
-    match folder {
-        Some(folder) => {
-            let folder = identifier(folder);
-            quote!(#folder::#name::)
-        }
-        None => quote!(#name::),
-    }
+    let inner = identifier(inner);
+    quote!(#folder::#inner::)
 }
 
 /// File inside `src`: `blocks/index.rs`.
