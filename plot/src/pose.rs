@@ -1,0 +1,147 @@
+//! The data of a picture of a mechanism at several instants.
+
+use crate::unit::Unit;
+
+/// A place in space (m).
+pub type Spot = [f64; 3];
+
+/// A body's shape.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Solid {
+    /// A bone: a rod between two centres.
+    Rod {
+        /// One end.
+        from: Spot,
+        /// The other end.
+        to: Spot,
+        /// Radius (m).
+        radius: f64,
+    },
+    /// A ball.
+    Ball {
+        /// Centre.
+        center: Spot,
+        /// Radius (m).
+        radius: f64,
+    },
+    /// A box by its corners, numbered by the bits x, y, z.
+    Block([Spot; 8]),
+    /// A mass without a size.
+    Mass(Spot),
+}
+
+impl Solid {
+    /// The places that it spans.
+    pub(crate) fn spots(&self) -> Vec<Spot> {
+        match self {
+            Solid::Rod { from, to, .. } => vec![*from, *to],
+            Solid::Ball { center, .. } => vec![*center],
+            Solid::Block(corners) => corners.to_vec(),
+            Solid::Mass(at) => vec![*at],
+        }
+    }
+    /// How far it reaches around them (m).
+    pub(crate) fn radius(&self) -> f64 {
+        match self {
+            Solid::Rod { radius, .. } => BONE * radius,
+            Solid::Ball { radius, .. } => *radius,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Part of a rod's radius at which it is drawn: the bone within the flesh, so that the strands
+/// around it are seen.
+pub(crate) const BONE: f64 = 0.42;
+
+/// A mechanism at an instant, in world axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Time (s).
+    pub time: f64,
+    /// Bodies.
+    pub solids: Vec<Solid>,
+    /// Lines from joint to joint.
+    pub bars: Vec<[Spot; 2]>,
+    /// Joints.
+    pub joints: Vec<Spot>,
+    /// Joints and strand points that the world holds.
+    pub anchors: Vec<Spot>,
+    /// Path of each strand.
+    pub strands: Vec<Vec<Spot>>,
+}
+
+impl Pose {
+    /// Every place with the reach around it.
+    pub(crate) fn spots(&self) -> Vec<(Spot, f64)> {
+        let plain = |spot: &Spot| (*spot, 0.0);
+        let solids = self.solids.iter().flat_map(|solid| {
+            let radius = solid.radius();
+            solid.spots().into_iter().map(move |spot| (spot, radius))
+        });
+        let lines = self.bars.iter().flatten().chain(&self.joints).chain(&self.anchors);
+        let all = solids.chain(lines.map(plain)).chain(self.strands.iter().flatten().map(plain));
+        all.filter(|(spot, _)| spot.iter().all(|x| x.abs() < 1e30)).collect()
+    }
+}
+
+/// A mechanism at several instants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseFigure {
+    /// Title.
+    pub title: String,
+    /// Names of the strands.
+    pub strands: Vec<String>,
+    /// What is up, in world axes.
+    pub up: Spot,
+    /// Poses in order of time.
+    pub poses: Vec<Pose>,
+}
+
+/// Text of an instant.
+pub(crate) fn instant(time: f64, last: f64) -> String {
+    let scale = Unit::Prefixed("s").scale(last.abs());
+    let value = time * scale.factor;
+    let text = if (value - value.round()).abs() < 1e-6 {
+        format!("{value:.0}")
+    } else {
+        format!("{value:.2}").trim_end_matches('0').to_string()
+    };
+    format!("t = {text} {}", scale.unit)
+}
+
+/// Indices of `count` instants from the start to the greatest departure from it, equally far apart.
+/// `departure` tells how far the mechanism is from its start at each instant.
+pub fn instants(departure: &[f64], count: usize) -> Vec<usize> {
+    let largest = departure.iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
+    let last = match departure.iter().position(|d| *d >= 0.985 * largest) {
+        Some(at) if largest > 0.0 => at,
+        _ => 0,
+    };
+    let mut chosen: Vec<usize> =
+        (0..count).map(|k| (k * last + (count - 1) / 2) / (count - 1).max(1)).collect();
+    chosen.dedup();
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instants_lead_to_the_greatest_departure() {
+        let away = [0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 2.0, 0.0];
+        assert_eq!(instants(&away, 5), [0, 1, 2, 3, 4]);
+        assert_eq!(instants(&[0.0, 0.0], 5), [0]);
+        assert_eq!(instants(&[f64::NAN, 1.0], 3), [0, 1]);
+        assert_eq!(instants(&[0.0], 1), [0]);
+        assert!(instants(&[], 3).len() == 1);
+    }
+
+    #[test]
+    fn instants_are_short_texts() {
+        assert_eq!(instant(1.25, 4.0), "t = 1.25 s");
+        assert_eq!(instant(3.0000000001, 4.0), "t = 3 s");
+        assert_eq!(instant(0.002, 0.004), "t = 2 ms");
+    }
+}

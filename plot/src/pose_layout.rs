@@ -1,0 +1,279 @@
+//! Drawing poses side by side at one scale, with a length to compare with, axes and names.
+
+use crate::canvas::{Anchor, Canvas, Color, GREY, Place, Stroke, TextStyle};
+use crate::chart::{MARGIN, TITLE, WIDTH, title};
+use crate::font;
+use crate::palette;
+use crate::pose::{Pose, PoseFigure, Solid, Spot, instant};
+use crate::save::Picture;
+use crate::unit::Unit;
+use crate::view::{View, dot};
+
+/// Greatest height of all poses together (pt).
+const HEIGHT: f64 = 350.0;
+/// Text under a pose.
+const CAPTION: f64 = 14.0;
+/// Between poses.
+const GAP: f64 = 10.0;
+/// Room for axes and length in the last line.
+const KEY: f64 = 130.0;
+/// Height of a line of names.
+const LEADING: f64 = 9.5;
+const SMALL: f64 = 6.8;
+const FILL: Color = [214, 214, 214];
+const EDGE: Stroke = Stroke::solid([150, 150, 150], 0.5);
+const BALL: Color = [240, 236, 226];
+const BAR: Stroke = Stroke::solid([170, 170, 170], 2.2);
+
+/// Where everything stands.
+struct Layout {
+    view: View,
+    /// Left end and upper end of the picture on the projected plane (m).
+    corner: [f64; 2],
+    /// Points of paper per metre.
+    scale: f64,
+    /// A pose's room (pt).
+    cell: Place,
+    columns: usize,
+    rows: usize,
+    /// Colour of each strand.
+    colors: Vec<Color>,
+    /// Names with their colours.
+    names: Vec<(String, Color)>,
+    /// Lines that the names take.
+    lines: usize,
+}
+
+impl Layout {
+    fn new(figure: &PoseFigure) -> Layout {
+        let view = View::choose(figure);
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for (spot, radius) in figure.poses.iter().flat_map(Pose::spots) {
+            let place = view.project(spot);
+            for k in 0..2 {
+                low[k] = low[k].min(place[k] - radius);
+                high[k] = high[k].max(place[k] + radius);
+            }
+        }
+        if low[0] > high[0] {
+            (low, high) = ([-0.5, -0.5], [0.5, 0.5]);
+        }
+        let largest = (high[0] - low[0]).max(high[1] - low[1]).max(1e-12);
+        // A line is given some room, and so is the width of strokes.
+        let size = [0, 1].map(|k| (high[k] - low[k]).max(0.15 * largest) + 0.04 * largest);
+        let corner = [0, 1].map(|k| {
+            let middle = 0.5 * (low[k] + high[k]);
+            if k == 0 { middle - 0.5 * size[0] } else { middle + 0.5 * size[1] }
+        });
+        let count = figure.poses.len().max(1);
+        let (scale, columns) = (1..=count)
+            .map(|columns| {
+                let rows = count.div_ceil(columns) as f64;
+                let across = (WIDTH - 2.0 * MARGIN + GAP) / columns as f64 - GAP;
+                let down = (HEIGHT + GAP) / rows - GAP - CAPTION;
+                ((across / size[0]).min(down / size[1]), columns)
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+            .unwrap_or((1.0, 1));
+        let (colors, names) = colors(&figure.strands);
+        let mut layout = Layout {
+            view,
+            corner,
+            scale,
+            cell: size.map(|s| s * scale),
+            columns,
+            rows: count.div_ceil(columns),
+            colors,
+            names,
+            lines: 0,
+        };
+        layout.lines = layout.places().last().map_or(0, |(_, line)| line + 1);
+        layout
+    }
+
+    /// x and line of each name.
+    fn places(&self) -> Vec<(f64, usize)> {
+        let (mut x, mut line) = (0.0, 0);
+        let mut places = Vec::new();
+        for (name, _) in &self.names {
+            let needed = 14.0 + font::width(name, SMALL, false);
+            if x > 0.0 && x + needed > WIDTH - 2.0 * MARGIN - KEY {
+                (x, line) = (0.0, line + 1);
+            }
+            places.push((x, line));
+            x += needed + 10.0;
+        }
+        places
+    }
+
+    /// Upper left corner of the room of pose `k`.
+    fn origin(&self, k: usize) -> Place {
+        let (column, row) = ((k % self.columns) as f64, (k / self.columns) as f64);
+        let used = self.columns as f64 * (self.cell[0] + GAP) - GAP;
+        let left = MARGIN + 0.5 * (WIDTH - 2.0 * MARGIN - used);
+        let top = MARGIN + TITLE;
+        [left + column * (self.cell[0] + GAP), top + row * (self.cell[1] + CAPTION + GAP)]
+    }
+
+    fn foot(&self) -> f64 {
+        MARGIN + TITLE + self.rows as f64 * (self.cell[1] + CAPTION + GAP)
+    }
+
+    fn place(&self, origin: Place, spot: Spot) -> Place {
+        let [x, y] = self.view.project(spot);
+        [
+            origin[0] + (x - self.corner[0]) * self.scale,
+            origin[1] + (self.corner[1] - y) * self.scale,
+        ]
+    }
+}
+
+impl Picture for PoseFigure {
+    fn size(&self) -> Place {
+        let layout = Layout::new(self);
+        [WIDTH, layout.foot() + (layout.lines as f64 * LEADING).max(30.0) + MARGIN]
+    }
+    fn title(&self) -> String {
+        self.title.clone()
+    }
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        let layout = Layout::new(self);
+        title(canvas, &self.title);
+        let last = self.poses.last().map_or(0.0, |pose| pose.time);
+        for (k, pose) in self.poses.iter().enumerate() {
+            let origin = layout.origin(k);
+            draw_pose(canvas, &layout, origin, pose);
+            let at = [origin[0] + 0.5 * layout.cell[0], origin[1] + layout.cell[1] + 9.0];
+            let style = TextStyle::new(7.6).anchor(Anchor::Middle);
+            canvas.text(at, &instant(pose.time, last), &style);
+        }
+        key(canvas, &layout);
+    }
+}
+
+fn draw_pose(canvas: &mut dyn Canvas, layout: &Layout, origin: Place, pose: &Pose) {
+    let place = |spot: Spot| layout.place(origin, spot);
+    let finite = |spots: &[Spot]| spots.iter().flatten().all(|x| x.abs() < 1e30);
+    for bar in pose.bars.iter().filter(|bar| finite(&bar[..])) {
+        canvas.line(&bar.map(place), &BAR);
+    }
+    let depth = |solid: &Solid| {
+        let spots = solid.spots();
+        spots.iter().map(|s| dot(*s, layout.view.near)).sum::<f64>() / spots.len().max(1) as f64
+    };
+    let mut solids: Vec<&Solid> = pose.solids.iter().filter(|s| finite(&s.spots())).collect();
+    solids.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
+    for solid in solids {
+        draw_solid(canvas, solid, &place, layout.scale);
+    }
+    for (path, color) in pose.strands.iter().zip(&layout.colors).filter(|(path, _)| finite(path)) {
+        let points: Vec<Place> = path.iter().map(|spot| place(*spot)).collect();
+        canvas.line(&points, &Stroke::solid(*color, 0.8));
+    }
+    for joint in pose.joints.iter().filter(|joint| finite(&[**joint])) {
+        canvas.disc(place(*joint), 1.3, [255, 255, 255], Some(&Stroke::solid(GREY, 0.5)));
+    }
+    for anchor in pose.anchors.iter().filter(|anchor| finite(&[**anchor])) {
+        let [x, y] = place(*anchor);
+        canvas.polygon(
+            &[[x - 1.0, y - 1.0], [x + 1.0, y - 1.0], [x + 1.0, y + 1.0], [x - 1.0, y + 1.0]],
+            GREY,
+            None,
+        );
+    }
+}
+
+fn draw_solid(canvas: &mut dyn Canvas, solid: &Solid, place: &impl Fn(Spot) -> Place, scale: f64) {
+    match solid {
+        Solid::Rod { from, to, .. } => {
+            let radius = (solid.radius() * scale).max(1.0);
+            canvas.polygon(&capsule(place(*from), place(*to), radius), FILL, Some(&EDGE));
+        }
+        Solid::Ball { center, .. } => {
+            let radius = (solid.radius() * scale).max(1.0);
+            canvas.disc(place(*center), radius, BALL, Some(&EDGE));
+        }
+        Solid::Block(corners) => {
+            for (i, j) in (0..8usize).flat_map(|i| [1, 2, 4].map(|bit| (i, i | bit))) {
+                if i != j {
+                    canvas.line(&[place(corners[i]), place(corners[j])], &EDGE);
+                }
+            }
+        }
+        Solid::Mass(at) => canvas.disc(place(*at), 2.2, [120, 120, 120], None),
+    }
+}
+
+/// Outline of a rod with round ends.
+fn capsule(from: Place, to: Place, radius: f64) -> Vec<Place> {
+    let turn = (to[1] - from[1]).atan2(to[0] - from[0]);
+    let arc = |center: Place, start: f64| {
+        (0..=10).map(move |k| {
+            let (s, c) = (start + std::f64::consts::PI * k as f64 / 10.0).sin_cos();
+            [center[0] + radius * c, center[1] + radius * s]
+        })
+    };
+    let quarter = std::f64::consts::FRAC_PI_2;
+    arc(to, turn - quarter).chain(arc(from, turn + quarter)).collect()
+}
+
+/// Axes, a length to compare with, and the strands' names.
+fn key(canvas: &mut dyn Canvas, layout: &Layout) {
+    let top = layout.foot();
+    let origin = [MARGIN + 14.0, top + 18.0];
+    let axes = [([1.0, 0.0, 0.0], "x"), ([0.0, 1.0, 0.0], "y"), ([0.0, 0.0, 1.0], "z")];
+    for (axis, name) in axes {
+        let [x, y] = layout.view.project(axis);
+        if x.hypot(y) < 0.1 {
+            continue;
+        }
+        let end = |length: f64| [origin[0] + length * x, origin[1] - length * y];
+        canvas.line(&[origin, end(13.0)], &Stroke::solid(GREY, 0.7));
+        let at = end(13.0 + 4.5 / x.hypot(y));
+        let style = TextStyle::new(SMALL).anchor(Anchor::Middle).color(GREY);
+        canvas.text([at[0], at[1] + 2.3], name, &style);
+    }
+    let most = 60.0 / layout.scale;
+    let decade = 10f64.powf(most.log10().floor());
+    let length = [5.0, 2.0, 1.0].map(|f| f * decade).into_iter().find(|l| *l <= most);
+    let length = length.unwrap_or(decade);
+    let scale = Unit::Prefixed("m").scale(length);
+    let (left, y) = (MARGIN + 42.0, top + 12.0);
+    let right = left + length * layout.scale;
+    let stroke = Stroke::solid([60, 60, 60], 0.8);
+    canvas.line(&[[left, y - 2.0], [left, y + 2.0]], &stroke);
+    canvas.line(&[[left, y], [right, y]], &stroke);
+    canvas.line(&[[right, y - 2.0], [right, y + 2.0]], &stroke);
+    let text = format!("{:.0} {}", length * scale.factor, scale.unit);
+    let style = TextStyle::new(SMALL).anchor(Anchor::Middle);
+    canvas.text([0.5 * (left + right), y + 9.5], &text, &style);
+    for ((name, color), (x, line)) in layout.names.iter().zip(layout.places()) {
+        let (x, y) = (MARGIN + KEY + x, top + 12.0 + line as f64 * LEADING);
+        canvas.line(&[[x, y], [x + 11.0, y]], &Stroke::solid(*color, 1.4));
+        let at = [x + 14.0, y + 0.5 * font::CAP * SMALL];
+        canvas.text(at, name, &TextStyle::new(SMALL).color(GREY));
+    }
+}
+
+/// Colours of strands and their meaning: each its own while there are few, else one per group.
+fn colors(strands: &[String]) -> (Vec<Color>, Vec<(String, Color)>) {
+    let key = |name: &String| {
+        if strands.len() <= palette::MOST {
+            return name.clone();
+        }
+        name.split_once('.').map_or("strands", |(first, _)| first).to_string()
+    };
+    let mut names: Vec<(String, Color)> = Vec::new();
+    let mut colors = Vec::new();
+    for strand in strands {
+        let name = key(strand);
+        let found = names.iter().find(|(other, _)| *other == name).map(|(_, color)| *color);
+        let color = found.unwrap_or_else(|| {
+            let color = palette::color(names.len());
+            names.push((name, color));
+            color
+        });
+        colors.push(color);
+    }
+    (colors, names)
+}

@@ -1,0 +1,159 @@
+//! SVG: well-formed text, text as text, one element per shape.
+
+use crate::canvas::{Anchor, Canvas, Color, Place, Stroke, TextStyle};
+use crate::font;
+use std::fmt::Write;
+
+/// Collects SVG elements.
+#[derive(Clone, Debug)]
+pub struct Svg {
+    text: String,
+}
+
+impl Svg {
+    /// An empty page of the given size (pt), white.
+    pub fn new(size: Place, title: &str) -> Self {
+        let [w, h] = size.map(number);
+        let mut text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}pt\" \
+             height=\"{h}pt\" font-family=\"{}\" fill=\"none\" stroke-linejoin=\"round\">\n",
+            font::FAMILY
+        );
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "<title>{}</title>", escape(title));
+        let _ = writeln!(text, "<rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>");
+        Svg { text }
+    }
+
+    /// The document.
+    pub fn finish(mut self) -> String {
+        self.text.push_str("</svg>\n");
+        self.text
+    }
+
+    fn stroke(&mut self, stroke: &Stroke) {
+        let (color, width) = (hex(stroke.color), number(stroke.width));
+        let _ = write!(self.text, " stroke=\"{color}\" stroke-width=\"{width}\"");
+        if !stroke.dash.is_empty() {
+            let dashes: Vec<_> = stroke.dash.iter().map(|d| number(*d)).collect();
+            let _ = write!(self.text, " stroke-dasharray=\"{}\"", dashes.join(" "));
+        }
+    }
+
+    fn path(&mut self, points: &[Place]) {
+        for (i, [x, y]) in points.iter().enumerate() {
+            let letter = match i {
+                0 => "M",
+                1 => "L",
+                _ => " ",
+            };
+            let _ = write!(self.text, "{letter}{} {}", number(*x), number(*y));
+        }
+    }
+}
+
+impl Canvas for Svg {
+    fn line(&mut self, points: &[Place], stroke: &Stroke) {
+        self.lines(&[points.to_vec()], stroke);
+    }
+    fn lines(&mut self, lines: &[Vec<Place>], stroke: &Stroke) {
+        if lines.iter().all(|points| points.len() < 2) {
+            return;
+        }
+        self.text.push_str("<path d=\"");
+        lines.iter().filter(|points| points.len() > 1).for_each(|points| self.path(points));
+        self.text.push('"');
+        self.stroke(stroke);
+        if stroke.width > 2.0 {
+            self.text.push_str(" stroke-linecap=\"round\"");
+        }
+        self.text.push_str("/>\n");
+    }
+    fn polygon(&mut self, points: &[Place], fill: Color, outline: Option<&Stroke>) {
+        self.text.push_str("<path d=\"");
+        self.path(points);
+        let _ = write!(self.text, "Z\" fill=\"{}\"", hex(fill));
+        if let Some(outline) = outline {
+            self.stroke(outline);
+        }
+        self.text.push_str("/>\n");
+    }
+    fn disc(&mut self, center: Place, radius: f64, fill: Color, outline: Option<&Stroke>) {
+        let ([x, y], r) = (center.map(number), number(radius));
+        let _ = write!(self.text, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"{}\"", hex(fill));
+        if let Some(outline) = outline {
+            self.stroke(outline);
+        }
+        self.text.push_str("/>\n");
+    }
+    fn text(&mut self, at: Place, text: &str, style: &TextStyle) {
+        if text.is_empty() {
+            return;
+        }
+        let [x, y] = at.map(number);
+        let _ = write!(self.text, "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\"", number(style.size));
+        let _ = write!(self.text, " fill=\"{}\"", hex(style.color));
+        if style.bold {
+            self.text.push_str(" font-weight=\"bold\"");
+        }
+        match style.anchor {
+            Anchor::Start => {}
+            Anchor::Middle => self.text.push_str(" text-anchor=\"middle\""),
+            Anchor::End => self.text.push_str(" text-anchor=\"end\""),
+        }
+        if style.upward {
+            let _ = write!(self.text, " transform=\"rotate(-90 {x} {y})\"");
+        }
+        let _ = writeln!(self.text, ">{}</text>", escape(text));
+    }
+}
+
+/// A coordinate with two decimals at most.
+fn number(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.to_string() }
+}
+
+fn hex([r, g, b]: Color) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Text as XML; what XML cannot hold is replaced.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(number(1.0), "1");
+        assert_eq!(number(-0.001), "0");
+        assert_eq!(number(12.345), "12.35");
+        assert_eq!(number(100.0), "100");
+    }
+
+    #[test]
+    fn names_cannot_break_the_document() {
+        let mut svg = Svg::new([10.0, 10.0], "a<b & \"c\"");
+        svg.text([1.0, 2.0], "</text>\u{1}", &TextStyle::new(7.0));
+        let text = svg.finish();
+        assert!(
+            text.contains("&lt;/text&gt;\u{fffd}") && text.contains("a&lt;b &amp; &quot;c&quot;")
+        );
+    }
+}
