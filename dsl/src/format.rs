@@ -23,7 +23,8 @@ pub fn format_text(text: &str) -> Result<String, Vec<Diagnostic>> {
         return Err(errors);
     }
     let tokens = lex(text);
-    let layout = Layout { text, units: units(text, &tokens), inline: inline(text, &tokens), tokens };
+    let layout =
+        Layout { text, units: units(text, &tokens), inline: inline(text, &tokens), tokens };
     Ok(layout.write())
 }
 
@@ -53,13 +54,22 @@ fn units(text: &str, tokens: &[Token]) -> Vec<bool> {
     let kind = |i: usize| tokens.get(i).map(|t| t.kind);
     let named = |i: usize| kind(i) == Some(Kind::Word) && !never_unit(word(i));
     let mut at = 0;
+    // The parameters of a component are declared with units: `k: N*m/rad`.
+    let mut parameters = false;
     while at < tokens.len() {
+        parameters = match word(at) {
+            "component" => true,
+            "{" | ";" => false,
+            _ => parameters,
+        };
         if !named(at) {
             at += 1;
             continue;
         }
         let before = (0..at).rev().find(|&i| !tokens[i].is_comment());
-        let follows = before.is_some_and(|i| kind(i) == Some(Kind::Number) || word(i) == ")");
+        let follows = before.is_some_and(|i| {
+            kind(i) == Some(Kind::Number) || word(i) == ")" || (parameters && word(i) == ":")
+        });
         if !follows {
             at += 1;
             continue;
@@ -77,7 +87,8 @@ fn units(text: &str, tokens: &[Token]) -> Vec<bool> {
                     continue;
                 }
             }
-            let joins = matches!(word(at), "*" | "/") && glued(at) && glued(at + 1) && named(at + 1);
+            let joins =
+                matches!(word(at), "*" | "/") && glued(at) && glued(at + 1) && named(at + 1);
             let called = matches!(word(at + 2), "(" | ".") && glued(at + 2);
             if !joins || called {
                 break;

@@ -67,9 +67,9 @@ impl<'a> Checker<'a> {
             Ast::Equation(left, right) => {
                 let (a, b) = (self.scalar(scope, left), self.scalar(scope, right));
                 let (mut left, mut right) = (a?, b?);
-                self.agree(&mut left, &mut right, "equate")?;
                 self.depends(&left, May::HOLONOMIC, "a constraint")?;
                 self.depends(&right, May::HOLONOMIC, "a constraint")?;
+                self.agree(&mut left, &mut right, "equate")?;
                 if constant(&left).is_some() && constant(&right).is_some() {
                     let message = "this equation holds no coordinate";
                     self.report(Diagnostic::error("constraint", left.span.to(right.span), message));

@@ -236,27 +236,24 @@ impl<'a> Checker<'a> {
         }
         let span = text.map_or(value.span, |e| e.span);
         let found = value.dimension;
-        let message = match found.is_none() {
-            true => format!("{what} is {}: a unit is missing", want.describe()),
-            false if want.is_none() => {
-                format!("{what} is {}, not {}", want.describe(), found.describe())
-            }
-            false => format!("{what} is {}, not {}", want.describe(), found.describe()),
-        };
+        // A stiffness against rotation has the dimension of a torque; call it what it is.
+        let turns = want == Dimension::TORQUE && what.contains("stiffness");
+        let expected = if turns { "a rotational stiffness".into() } else { want.describe() };
+        let found_words =
+            if found.is_none() { "a plain number".to_string() } else { found.describe() };
+        let message = format!("{what}: expected {expected}, found {found_words}");
+        let expected = if turns { "`N*m/rad`".into() } else { unit_words(want) };
         let label = match found.is_none() {
-            true => format!("expected {}", unit_words(want)),
-            false => format!("expected {}, found {}", unit_words(want), unit_words(found)),
+            true => format!("expected {expected}"),
+            false => format!("expected {expected}, found {}", unit_words(found)),
         };
         let mut error = Diagnostic::error("dimension", span, message).label(label);
         if found.is_none() && !want.is_none() {
             let quoted = self.sources.slice(span);
-            let simple = text.is_some_and(|e| match &e.kind {
-                Ast::Number(_) | Ast::Paren(_) | Ast::Tuple(_) => true,
-                Ast::Neg(inner) => matches!(inner.kind, Ast::Number(_)),
-                _ => false,
-            });
+            let wrapped = text.is_some_and(|e| matches!(e.kind, Ast::Paren(_) | Ast::Tuple(_)));
+            let simple = wrapped || quoted.parse::<f64>().is_ok();
             let quoted = if simple { quoted.to_string() } else { format!("({quoted})") };
-            let units = want.usual_units();
+            let units = if turns { vec!["N*m/rad".to_string()] } else { want.usual_units() };
             let written: Vec<String> = units.iter().map(|u| format!("`{quoted} {u}`")).collect();
             if quoted.len() < 60 {
                 error = error.help(format!("write {}", written.join(" or ")));
@@ -318,14 +315,14 @@ impl<'a> Checker<'a> {
         expr: &'a ast::Expr,
         may: May,
     ) -> Option<[Expr; N]> {
-        let missing =
-            items.iter().any(|e| e.dimension.is_none() && e.dimension != want && !bare_zero(e));
-        if missing
-            && matches!(expr.kind, Ast::Tuple(_))
-            && items.iter().all(|e| e.dimension.is_none())
+        // One message for the whole tuple where all of it is wrong in one way.
+        let mut wrong = items.iter().filter(|e| !bare_zero(e));
+        if let Some(first) = wrong.next()
+            && first.dimension != want
+            && wrong.all(|e| e.dimension == first.dimension)
+            && matches!(expr.kind, Ast::Tuple(_) | Ast::WithUnit(..))
         {
-            // One message for the whole tuple, with the unit behind it.
-            let first = items.into_iter().find(|e| !bare_zero(e))?;
+            let first = first.clone();
             return self.fit(first, want, what, Some(expr)).and(None);
         }
         let mut fitted = Vec::new();

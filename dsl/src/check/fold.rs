@@ -223,5 +223,5 @@ impl Checker<'_> {
 
 /// `N*m`, or `no unit`.
 pub(super) fn unit_words(dimension: Dimension) -> String {
-    if dimension.is_none() { "no unit or rad".to_string() } else { format!("`{dimension}`") }
+    if dimension.is_none() { "no unit, or `rad`".to_string() } else { format!("`{dimension}`") }
 }

@@ -109,7 +109,7 @@ impl<'a> Checker<'a> {
             JointKind::Screw => {
                 let axis = next();
                 let pitch = arguments.get(1).and_then(|a| {
-                    let what = "the pitch of a screw, its advance per radian,";
+                    let what = "the pitch of a screw (its advance per radian)";
                     self.expect(scope, &a.value, Dimension::LENGTH, what, May::PARAMS)
                 });
                 let pitch = pitch.unwrap_or_else(|| number(0.0, Dimension::LENGTH, word.span));

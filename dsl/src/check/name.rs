@@ -132,7 +132,8 @@ impl<'a> Checker<'a> {
                 std::iter::successors(self.scopes[scope.0].outer, |s| self.scopes[s.0].outer)
                     .any(|s| self.scopes[s.0].names.contains_key(name.text.as_str()));
             let here = &self.scopes[scope.0];
-            let near = nearest(&name.text, here.names.keys().copied());
+            let near =
+                nearest(&name.text, here.names.keys().copied().chain(std::iter::once("world")));
             let within: Vec<String> = self.homes(scope, &name.text);
             error = if outside {
                 error.help(format!(

@@ -254,7 +254,10 @@ impl<'a> Checker<'a> {
             want.push(dimension);
         }
         let name = self.sources.slice(setting.name.span);
-        let what = format!("`{word}` of `{name}`");
+        let what = match word {
+            "pose" => format!("the pose of `{name}`"),
+            _ => format!("`{word}` of `{name}`"),
+        };
         let values = self.per_coordinate(root, &setting.value, &want, &what, may);
         range.map(|c| CoordinateId(c as u32)).zip(values.unwrap_or_default()).collect()
     }
@@ -294,7 +297,7 @@ impl<'a> Checker<'a> {
         let mut values: Vec<(CoordinateId, Expr)> = Vec::new();
         let mut seen = Seen::new();
         for setting in &block.settings {
-            for (id, value) in self.on_coordinates(root, setting, "the pose", May::PARAMS, 0) {
+            for (id, value) in self.on_coordinates(root, setting, "pose", May::PARAMS, 0) {
                 let what = format!("`{}`", self.coordinate_names[id.index()]);
                 if self.once(&mut seen, ("pose", id.index()), setting.name.span, &what) {
                     values.push((id, value));
@@ -384,7 +387,12 @@ impl<'a> Checker<'a> {
         match strands {
             None => {
                 for id in 0..self.strands.len() {
-                    if self.once(&mut draft.seen, ("follow", id), span, "what a strand follows") {
+                    if self.once(
+                        &mut draft.seen,
+                        ("follow", id),
+                        span,
+                        "the motion of every strand",
+                    ) {
                         list.push(StrandId(id as u32));
                     } else {
                         break;
@@ -394,7 +402,7 @@ impl<'a> Checker<'a> {
             Some(paths) => {
                 for path in paths {
                     let Some(id) = self.strand(root, path) else { continue };
-                    let what = format!("what `{}` follows", self.strands[id].name.text);
+                    let what = format!("the motion of `{}`", self.strands[id].name.text);
                     if self.once(&mut draft.seen, ("follow", id), path.span, &what) {
                         list.push(StrandId(id as u32));
                     }

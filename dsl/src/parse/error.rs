@@ -76,6 +76,9 @@ fn hint(tokens: &Tokens, chunk: &Chunk, found: usize) -> Option<String> {
         }
         ("frame" | "joint" | "place", _, "at") => Some("`at` stands before `rotate`, once".into()),
         ("import", _, _) => Some("write `import \"file.hdl\";`".into()),
+        ("constraint", _, "=") if previous != ")" => {
+            Some("an equation is written with `==`".into())
+        }
         ("constraint", _, _) if tokens.text(chunk.head.start + 4) == "(" => Some(
             "a constraint is coincident(P, P), distance(P, P) = d, on_plane(P, F, normal = v), \
              weld(F, F) or an equation `a == b`"
@@ -142,7 +145,6 @@ fn expected(rules: &[Rule], end: &str) -> Vec<String> {
             Rule::parameter | Rule::option => "a name",
             Rule::coincident | Rule::distance | Rule::on_plane | Rule::weld => "a constraint",
             Rule::exponent => "an integer",
-            Rule::factor | Rule::unit_name => "a unit",
             // An operator, a unit or an offset may follow almost anything: naming them helps nobody.
             _ => continue,
         };

@@ -94,7 +94,7 @@ impl<'a> Reader<'_, 'a> {
                 if error.is_none() && chunk.open {
                     self.missing_end(&chunk);
                 }
-                self.out.extend(error);
+                self.complain(error, &chunk);
                 result.push(item);
                 continue;
             }
@@ -104,11 +104,18 @@ impl<'a> Reader<'_, 'a> {
                 if error.is_none() && piece.open {
                     self.missing_end(piece);
                 }
-                self.out.extend(error);
+                self.complain(error, piece);
                 result.push(item);
             }
         }
         result
+    }
+
+    /// Adds an error, unless an unknown character in the statement explains it.
+    fn complain(&mut self, error: Option<Diagnostic>, chunk: &Chunk) {
+        if !self.tokens.holds_bad(&chunk.head) {
+            self.out.extend(error);
+        }
     }
 
     fn missing_end(&mut self, chunk: &Chunk) {
@@ -204,7 +211,8 @@ impl<'a> Reader<'_, 'a> {
         let body = chunk.body.as_ref()?;
         let span = self.tokens.span(body.start - 1);
         let first = self.tokens.text(chunk.head.start);
-        let help = match DECLARATIONS.contains(&first) {
+        let stray = DECLARATIONS.contains(&first) && !what.contains(first);
+        let help = match stray {
             true => format!("a `{first}` cannot stand in here; is a `}}` missing above?"),
             false => "end it with `;`".to_string(),
         };

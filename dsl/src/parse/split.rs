@@ -40,6 +40,8 @@ pub(crate) struct Tokens<'a> {
     /// Where the block opened at a token ends: the index of its `}`, or of the token before which
     /// it should have stood.
     ends: BTreeMap<usize, usize>,
+    /// Where unknown characters stand, in order.
+    bad: Vec<usize>,
     /// Closing braces that close nothing.
     stray: BTreeSet<usize>,
 }
@@ -66,6 +68,7 @@ impl<'a> Tokens<'a> {
     ) -> Tokens<'a> {
         let mut list: Vec<Token> = Vec::with_capacity(all.len());
         let mut docs: BTreeMap<usize, String> = BTreeMap::new();
+        let mut bad = Vec::new();
         for token in all {
             if token.kind == Kind::Doc {
                 let line = token.text(source)[3..].trim_end();
@@ -75,12 +78,14 @@ impl<'a> Tokens<'a> {
                     doc.push('\n');
                 }
                 doc.push_str(line);
-            } else if !token.is_comment() && token.kind != Kind::Bad {
+            } else if token.kind == Kind::Bad {
+                bad.push(token.start);
+            } else if !token.is_comment() {
                 list.push(*token);
             }
         }
         let (ends, stray) = (BTreeMap::new(), BTreeSet::new());
-        let mut tokens = Tokens { source, file, list, docs, ends, stray };
+        let mut tokens = Tokens { source, file, list, docs, ends, bad, stray };
         tokens.match_braces(out);
         tokens
     }
@@ -220,6 +225,14 @@ impl<'a> Tokens<'a> {
             });
         }
         pieces
+    }
+
+    /// Whether an unknown character stands in a range of tokens, or right behind it.
+    pub(crate) fn holds_bad(&self, range: &Range<usize>) -> bool {
+        let Some(first) = self.list.get(range.start) else { return false };
+        let end = self.list.get(range.end).map_or(self.source.len(), |t| t.start);
+        let after = self.bad.partition_point(|&b| b < first.start);
+        self.bad.get(after).is_some_and(|&b| b < end)
     }
 
     /// From the first to the last token of a range.
