@@ -104,31 +104,29 @@ fn mutated_models_never_panic() {
 fn large_and_odd_texts_are_answered() {
     let many = |piece: &str, bytes: usize| piece.repeat(bytes / piece.len());
     for text in [
-        many("(", 1 << 20),
-        many("{", 1 << 20),
-        many("}", 1 << 20),
-        many("-", 1 << 20),
-        many("// c\n", 1 << 20),
-        many("é\u{0}", 1 << 20),
-        many(";", 1 << 20),
-        many("a ", 1 << 20),
-        many("joint ", 1 << 20),
-        many("joint\n", 1 << 18),
-        many("x =\n", 1 << 18),
-        many("1,", 1 << 20),
-        many("model m {", 1 << 20),
-        format!("model m {{ {} }}", many("const a = b;\n", 1 << 19)),
-        format!("model m {{ const a = (1{}); }}", many(",1", 1 << 19)),
-        format!("model m {{ const a = 1{}; }}", many("^1", 1 << 19)),
+        many("(", 1 << 17),
+        many("{", 1 << 17),
+        many("}", 1 << 17),
+        many("-", 1 << 17),
+        many("// c\n", 1 << 17),
+        many("é\u{0}", 1 << 17),
+        many(";", 1 << 17),
+        many("a ", 1 << 17),
+        many("joint ", 1 << 17),
+        many("joint\n", 1 << 16),
+        many("x =\n", 1 << 16),
+        many("1,", 1 << 17),
+        many("model m {", 1 << 17),
+        format!("model m {{ {} }}", many("const a = b;\n", 1 << 16)),
+        format!("model m {{ const a = (1{}); }}", many(",1", 1 << 16)),
+        format!("model m {{ const a = 1{}; }}", many("^1", 1 << 16)),
         format!("model m {{ const a = {}1; }}", many("-", 390)),
         format!("model m {{ const a = 1{}; }}", many(" + 1", 1500)),
-        format!("model m {{ joint a: revolute(z) in world {{ {} }} }}", many("q = 1\n", 1 << 17)),
-        many("\"", 1 << 20),
+        format!("model m {{ joint a: revolute(z) in world {{ {} }} }}", many("q = 1\n", 1 << 16)),
+        many("\"", 1 << 17),
         "x".repeat(10 << 20),
     ] {
-        let begin = std::time::Instant::now();
         survives(&text);
-        eprintln!("TIME {:?} {}", begin.elapsed(), &text.chars().take(20).collect::<String>());
     }
 }
 

@@ -99,7 +99,7 @@ fn everything_at_once() {
     let scenario = &model.scenarios[0];
     assert_eq!(scenario.start.len(), 8);
     assert_eq!(scenario.records.len(), 5);
-    assert!(matches!(scenario.records[0].value.kind, ExprKind::Multiplier(c, 1) if c.index() == 0));
+    assert!(matches!(scenario.records[0].value.kind, ExprKind::Multiplier(c, 1) if c.index() == 1));
     assert!(matches!(scenario.records[4].value.kind, ExprKind::Multiplier(_, 3)));
     assert_eq!(scenario.motions.len(), 2);
 }

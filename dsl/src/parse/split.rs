@@ -131,11 +131,14 @@ impl<'a> Tokens<'a> {
                         self.ends.insert(start, index);
                     }
                     None => {
-                        let message = "this `}` closes nothing";
-                        out.push(
-                            Diagnostic::error("unmatched-brace", self.span(index), message)
-                                .help("a block above it may end too early"),
-                        );
+                        // After some nobody reads on.
+                        if self.stray.len() < 100 {
+                            let message = "this `}` closes nothing";
+                            out.push(
+                                Diagnostic::error("unmatched-brace", self.span(index), message)
+                                    .help("a block above it may end too early"),
+                            );
+                        }
                         self.stray.insert(index);
                     }
                 },
