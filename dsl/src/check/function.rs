@@ -1,7 +1,6 @@
 //! Function calls.
 
 use super::fold::{self, holds};
-use super::name::Entity;
 use super::scope::ScopeId;
 use super::{Checker, constant};
 use crate::ast::{self, ExprKind as Ast, Ident, Operator};
@@ -233,16 +232,5 @@ impl<'a> Checker<'a> {
         let dimension = self.coordinate_dimension(index)?.over(Dimension::TIME)?;
         let kind = ExprKind::Rate(CoordinateId(index as u32));
         Some(Expr { kind, dimension, span })
-    }
-
-    /// The strand a name stands for.
-    pub(super) fn strand(&mut self, scope: ScopeId, path: &'a ast::Path) -> Option<usize> {
-        match self.entity(scope, path)? {
-            Entity::Strand(index) => Some(index),
-            other => {
-                self.wrong_kind(path, other, "a strand", "not-a-strand");
-                None
-            }
-        }
     }
 }

@@ -5,17 +5,23 @@
 //! declaration is checked by the module of its kind. A function that answers `None` has reported why,
 //! or met something that was reported before: callers stay silent.
 
+mod argument;
 mod constraint;
+mod coordinate;
 mod depend;
+mod expect;
 mod expr;
 mod fold;
 mod frame;
 mod function;
+mod instance;
 mod joint;
 mod load;
 mod mass;
+mod motion;
 mod name;
 mod options;
+mod refer;
 mod scenario;
 mod scope;
 mod strand;
@@ -26,7 +32,8 @@ use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
 use crate::hir::{self, ExprKind, FrameId, Model};
 use crate::source::{SourceMap, Span};
-use scope::{ComponentId, Env, Scope, ScopeId};
+use instance::{ComponentId, Env};
+use scope::{Scope, ScopeId};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
@@ -102,7 +109,7 @@ struct Checker<'a> {
     sources: &'a SourceMap,
     out: Vec<Diagnostic>,
     scopes: Vec<Scope<'a>>,
-    components: Vec<scope::Definition<'a>>,
+    components: Vec<instance::Definition<'a>>,
     placed: BTreeSet<ComponentId>,
     taken: scope::Taken,
     consts: Vec<Named<'a>>,

@@ -84,7 +84,9 @@ fn hint(tokens: &Tokens, chunk: &Chunk, found: usize) -> Option<String> {
              weld(F, F) or an equation `a == b`"
                 .into(),
         ),
-        (_, _, "=") if previous != "" && tokens.list[found - 1].kind == crate::lex::Kind::Word => {
+        (_, _, "=")
+            if !previous.is_empty() && tokens.list[found - 1].kind == crate::lex::Kind::Word =>
+        {
             Some("is a `;` missing before this?".into())
         }
         (_, _, "==" | "<" | ">" | "<=" | ">=" | "!=") => {
