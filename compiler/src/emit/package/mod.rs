@@ -12,6 +12,9 @@ mod model;
 mod modules;
 mod names;
 mod parameters;
+mod spacing;
+#[cfg(test)]
+mod tests;
 mod write;
 
 use super::count::Operations;
@@ -119,7 +122,7 @@ fn assemble(
         let text = format!(
             "// {} from the model; changes here are lost.\n\n{}",
             manifest::MARKER,
-            prettyplease::unparse(&parsed)
+            spacing::spaced(&prettyplease::unparse(&parsed))
         );
         files.push(File { path: format!("src/{file}"), text });
     }
