@@ -19,7 +19,7 @@ pub(crate) const TITLE: f64 = 20.0;
 /// Vertical axis with ticks and label.
 const LEFT: f64 = 41.0;
 /// Between panels that share an axis.
-const BETWEEN: f64 = 9.0;
+const BETWEEN: f64 = 11.0;
 /// Heading of a panel.
 const HEADING: f64 = 12.0;
 /// Labels of the time axis.

@@ -10,7 +10,7 @@ const COLUMNS: usize = 6;
 /// Most panels side by side that have axes of their own.
 const WIDE: usize = 3;
 /// Ticks of a vertical axis.
-const TICKS: usize = 5;
+const TICKS: usize = 7;
 /// Least range of an angle's axis (degrees).
 const LEAST_ANGLE: f64 = 0.2;
 

@@ -10,9 +10,9 @@ pub(crate) const SIZE: f64 = 6.8;
 /// Height of a line of names (pt).
 pub(crate) const LEADING: f64 = 8.6;
 /// Length of a sample of the line (pt).
-const SAMPLE: f64 = 11.0;
+const SAMPLE: f64 = 9.0;
 /// From the sample to the name (pt).
-const GAP: f64 = 2.5;
+const GAP: f64 = 2.0;
 /// From a panel to the names beside it (pt).
 const AWAY: f64 = 9.0;
 /// Widest name beside a panel (pt).
@@ -93,7 +93,7 @@ pub(crate) fn strip(panel: &Panel, width: f64) -> (Vec<(f64, usize)>, usize) {
             (x, row) = (0.0, row + 1);
         }
         places.push((x, row));
-        x += needed + 5.0;
+        x += needed + 4.0;
     }
     (places, row + 1)
 }

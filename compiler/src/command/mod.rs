@@ -3,10 +3,12 @@
 
 pub mod check;
 pub mod compile;
+mod core_source;
 pub mod dump;
 pub mod fmt;
 pub mod info;
 pub mod new;
+pub mod plot;
 pub mod run;
 
 use crate::lower::lower;
@@ -63,9 +65,6 @@ pub(crate) fn report(checked: &Checked) {
     }
     let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     eprint!("{}", render(&checked.diagnostics, &checked.sources, color));
-    let errors = checked.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
-    let warnings = checked.diagnostics.len() - errors;
-    eprintln!("{}, {}", count(errors, "error"), count(warnings, "warning"));
 }
 
 /// `1 error`, `2 errors`.

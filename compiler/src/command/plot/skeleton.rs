@@ -1,0 +1,186 @@
+//! The mechanism as lines and bodies in space, at several instants of a run.
+
+use super::series::Run;
+use handc_core::model::Model;
+use handc_dsl::hir::{self, BinaryOp, Expr, ExprKind, JointKind, MassKind};
+use handc_plot::PoseFigure;
+use handc_plot::pose::{Pose, Solid, Spot, instants};
+use handc_runtime::mechanism::{ConstraintKind, Mechanism, Point};
+use handc_runtime::resolved::{Resolved, constraint_points};
+use handc_runtime::vector::{Transform, Vec3};
+
+/// Poses in a picture.
+const POSES: usize = 6;
+
+/// What does not change from pose to pose.
+struct Skeleton<'a> {
+    model: &'a hir::Model,
+    mechanism: &'a Mechanism,
+    numbers: Resolved<f64>,
+}
+
+/// A pose: where frames and links are.
+struct Placed<'a> {
+    skeleton: &'a Skeleton<'a>,
+    frames: Vec<Transform<f64>>,
+    /// `None` for links that carry no frame.
+    links: Vec<Option<Transform<f64>>>,
+}
+
+/// Poses from the start to the greatest departure from it.
+pub(super) fn figure(run: &mut Run, model: &hir::Model, title: String) -> PoseFigure {
+    let mechanism = run.simulation.model.mechanism().clone();
+    let numbers = Resolved::new(&mechanism, run.simulation.model.params());
+    let skeleton = Skeleton { model, mechanism: &mechanism, numbers };
+    let chosen = instants(&departure(run), POSES);
+    let mut poses = Vec::new();
+    for at in chosen {
+        let q: Vec<f64> = run.q.iter().map(|values| values[at]).collect();
+        let frames = run.simulation.model.frame_poses(&q);
+        poses.push(Placed::new(&skeleton, frames).pose(run.time[at]));
+    }
+    let gravity = mechanism.gravity.map(|g| skeleton.numbers.number(g));
+    let up = if gravity == [0.0; 3] { [0.0, 0.0, 1.0] } else { gravity.map(|g| -g) };
+    let strands = mechanism.strands.iter().map(|strand| strand.name.clone()).collect();
+    PoseFigure { title, strands, up, poses }
+}
+
+/// How far the coordinates are from their start at each instant (rad; lengths against the model's).
+fn departure(run: &Run) -> Vec<f64> {
+    let layout = run.simulation.layout();
+    let mut squares = vec![0.0; run.time.len()];
+    for (coordinate, values) in layout.coordinates.iter().zip(&run.q) {
+        let is_length = coordinate.kind == handc_core::layout::CoordinateKind::Length;
+        let scale = if is_length { 1.0 / layout.length_scale } else { 1.0 };
+        let Some(first) = values.first() else { continue };
+        for (square, value) in squares.iter_mut().zip(values) {
+            *square += ((value - first) * scale).powi(2);
+        }
+    }
+    squares.into_iter().map(f64::sqrt).collect()
+}
+
+impl<'a> Placed<'a> {
+    fn new(skeleton: &'a Skeleton<'a>, frames: Vec<Transform<f64>>) -> Self {
+        let mut links = vec![None; skeleton.mechanism.links.len()];
+        for (frame, world_from_frame) in skeleton.mechanism.frames.iter().zip(&frames) {
+            if let Some(link) = frame.link {
+                let link_from_frame = skeleton.numbers.transform(&frame.link_from_frame);
+                links[link as usize] = Some(*world_from_frame * link_from_frame.inverse());
+            }
+        }
+        Placed { skeleton, frames, links }
+    }
+
+    fn point(&self, point: &Point) -> Option<Spot> {
+        let position = self.skeleton.numbers.vector(&point.position);
+        match point.link {
+            None => Some(position.0),
+            Some(link) => self.links[link as usize].map(|link| link.point(position).0),
+        }
+    }
+
+    fn pose(&self, time: f64) -> Pose {
+        let mechanism = self.skeleton.mechanism;
+        let model = self.skeleton.model;
+        let solids: Vec<Solid> = model.masses.iter().filter_map(|mass| self.solid(mass)).collect();
+        let world = |point: &&Point| point.link.is_none();
+        let ends = mechanism.strands.iter().flat_map(|s| [s.points.first(), s.points.last()]);
+        let held: Vec<Point> =
+            mechanism.constraints.iter().flat_map(|c| constraint_points(&c.kind)).collect();
+        let anchors = ends.flatten().chain(&held).filter(world);
+        let joints = model.joints.iter().filter(|joint| joint.kind != JointKind::Free);
+        Pose {
+            time,
+            solids,
+            bars: self.bars(),
+            joints: joints.map(|j| self.frames[j.frame.index()].translation.0).collect(),
+            anchors: anchors.filter_map(|point| self.point(point)).collect(),
+            strands: mechanism
+                .strands
+                .iter()
+                .map(|strand| strand.points.iter().filter_map(|p| self.point(p)).collect())
+                .collect(),
+        }
+    }
+
+    /// Lines from joint to joint, to the masses and frames of a link, and along constant distances.
+    fn bars(&self) -> Vec<[Spot; 2]> {
+        let mechanism = self.skeleton.mechanism;
+        let origin = |link: u32| self.links[link as usize].map(|link| link.translation.0);
+        let mut bars = Vec::new();
+        for (index, link) in mechanism.links.iter().enumerate() {
+            let mut parent = link.parent;
+            while let Some(p) = parent.filter(|p| self.links[*p as usize].is_none()) {
+                parent = mechanism.links[p as usize].parent;
+            }
+            bars.extend(parent.and_then(origin).zip(origin(index as u32)));
+        }
+        for mass in &self.skeleton.model.masses {
+            let to = self.solid(mass);
+            let link = mechanism.frames[mass.frame.index()].link;
+            if let (Some(Solid::Mass(at) | Solid::Ball { center: at, .. }), Some(link)) = (to, link)
+            {
+                bars.extend(origin(link).map(|from| (from, at)));
+            }
+        }
+        let bodies = |link| mechanism.bodies.iter().any(|body| body.link == Some(link));
+        for (frame, place) in mechanism.frames.iter().zip(&self.frames) {
+            if let Some(link) = frame.link.filter(|link| !bodies(*link)) {
+                bars.extend(origin(link).map(|from| (from, place.translation.0)));
+            }
+        }
+        for constraint in &mechanism.constraints {
+            if let ConstraintKind::Distance { first, second, .. } = &constraint.kind {
+                bars.extend(self.point(first).zip(self.point(second)));
+            }
+        }
+        let apart = |(a, b): &(Spot, Spot)| a.iter().zip(b).any(|(x, y)| (x - y).abs() > 1e-9);
+        bars.into_iter().filter(apart).map(|(a, b)| [a, b]).collect()
+    }
+
+    fn solid(&self, mass: &hir::Mass) -> Option<Solid> {
+        let frame = self.frames.get(mass.frame.index())?;
+        let value = |expr: &Expr| value(expr, &self.skeleton.numbers.params);
+        let spot = |v: &hir::Vector| frame.point(Vec3([0, 1, 2].map(|i| value(&v[i])))).0;
+        Some(match &mass.kind {
+            MassKind::Explicit { at, .. } => Solid::Mass(spot(at)),
+            MassKind::Sphere { at, radius, .. } => {
+                Solid::Ball { center: spot(at), radius: value(radius) }
+            }
+            MassKind::Capsule { from, to, radius, .. }
+            | MassKind::Cylinder { from, to, radius, .. } => {
+                Solid::Rod { from: spot(from), to: spot(to), radius: value(radius) }
+            }
+            MassKind::Box { at, size, .. } => {
+                let corner = |k: usize| {
+                    let side = |i: usize| if k >> i & 1 == 1 { 0.5 } else { -0.5 };
+                    let local = [0, 1, 2].map(|i| value(&at[i]) + side(i) * value(&size[i]));
+                    frame.point(Vec3(local)).0
+                };
+                Solid::Block([0, 1, 2, 3, 4, 5, 6, 7].map(corner))
+            }
+        })
+    }
+}
+
+/// The value of an expression of constants and parameters; not a number where it is more than
+/// arithmetic.
+fn value(expr: &Expr, params: &[f64]) -> f64 {
+    match &expr.kind {
+        ExprKind::Number(number) => *number,
+        ExprKind::Param(param) => params.get(param.index()).copied().unwrap_or(f64::NAN),
+        ExprKind::Neg(inner) => -value(inner, params),
+        ExprKind::Binary(op, left, right) => {
+            let (left, right) = (value(left, params), value(right, params));
+            match op {
+                BinaryOp::Add => left + right,
+                BinaryOp::Sub => left - right,
+                BinaryOp::Mul => left * right,
+                BinaryOp::Div => left / right,
+                BinaryOp::Pow => left.powf(right),
+            }
+        }
+        _ => f64::NAN,
+    }
+}
