@@ -1,7 +1,7 @@
 //! From quantities to panels in rows: small multiples by digit, then what stands alone.
 
 use crate::group::{Group, groups, styles};
-use crate::ticks::{Axis, extent, padded};
+use crate::ticks::{Axis, HUGE, extent, padded};
 use crate::timeplot::{Curve, Quantity, TimePlot};
 use crate::unit::{Scale, Unit};
 
@@ -11,6 +11,8 @@ const COLUMNS: usize = 6;
 const WIDE: usize = 3;
 /// Ticks of a vertical axis.
 const TICKS: usize = 7;
+/// Most characters of a tick's label.
+const LONGEST: usize = 6;
 /// Least range of an angle's axis (degrees).
 const LEAST_ANGLE: f64 = 0.2;
 
@@ -189,8 +191,15 @@ fn axis(quantity: &Quantity) -> (Scale, Axis) {
     let scale = quantity.unit.scale(size);
     let scaled = range.map(|(low, high)| (low * scale.factor, high * scale.factor));
     let degrees = Unit::degrees(&scale);
-    let (low, high) = padded(scaled, if degrees { LEAST_ANGLE } else { 0.0 });
-    (scale, Axis::new(low, high, TICKS, degrees))
+    let (mut low, mut high) = padded(scaled, if degrees { LEAST_ANGLE } else { 0.0 });
+    let mut axis = Axis::new(low, high, TICKS, degrees);
+    // A small change of a large number needs long labels; a wider range makes them shorter.
+    while axis.ticks.iter().any(|(_, label)| label.chars().count() > LONGEST) && low > -HUGE {
+        let half = high - 0.5 * (low + high);
+        (low, high) = (low - half, high + half);
+        axis = Axis::new(low, high, TICKS, degrees);
+    }
+    (scale, axis)
 }
 
 fn label(quantity: &Quantity, scale: &Scale) -> String {

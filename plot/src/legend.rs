@@ -85,6 +85,20 @@ pub(crate) fn strip(panel: &Panel, width: f64) -> (Vec<(f64, usize)>, usize) {
     if !panel.named() {
         return (Vec::new(), 0);
     }
+    let (mut places, rows) = strip_within(panel, width);
+    // As even as the same number of lines allows.
+    let mut narrower = width;
+    while narrower > 20.0 && rows > 1 {
+        narrower -= 4.0;
+        match strip_within(panel, narrower) {
+            (even, same) if same == rows => places = even,
+            _ => break,
+        }
+    }
+    (places, rows)
+}
+
+fn strip_within(panel: &Panel, width: f64) -> (Vec<(f64, usize)>, usize) {
     let (mut x, mut row) = (0.0, 0);
     let mut places = Vec::new();
     for line in &panel.lines {

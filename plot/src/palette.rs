@@ -28,7 +28,7 @@ pub(crate) fn color(index: usize) -> Color {
 
 /// The line of curve `index`.
 pub(crate) fn stroke(index: usize) -> Stroke {
-    Stroke { color: color(index), width: 0.9, dash: DASHES[index / 4 % DASHES.len()] }
+    Stroke { color: color(index), width: 0.8, dash: DASHES[index / 4 % DASHES.len()] }
 }
 
 #[cfg(test)]

@@ -110,18 +110,48 @@ pub(crate) fn instant(time: f64, last: f64) -> String {
     format!("t = {text} {}", scale.unit)
 }
 
-/// Indices of `count` instants from the start to the greatest departure from it, equally far apart.
-/// `departure` tells how far the mechanism is from its start at each instant.
+/// Indices of at most `count` instants on the way from the start to the greatest departure from it,
+/// by equal shares of the way. `departure` tells how far the mechanism is from its start.
 pub fn instants(departure: &[f64], count: usize) -> Vec<usize> {
     let largest = departure.iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
-    let last = match departure.iter().position(|d| *d >= 0.985 * largest) {
-        Some(at) if largest > 0.0 => at,
-        _ => 0,
+    let shares = count.saturating_sub(1).max(1) as f64;
+    let reached = |k: usize| {
+        let share = WHOLE * largest * k as f64 / shares;
+        departure.iter().position(|d| *d >= share).unwrap_or(0)
     };
-    let mut chosen: Vec<usize> =
-        (0..count).map(|k| (k * last + (count - 1) / 2) / (count - 1).max(1)).collect();
+    let mut chosen = vec![0];
+    if largest > 0.0 {
+        chosen.extend((1..count).map(reached));
+    }
     chosen.dedup();
     chosen
+}
+
+/// Part of the greatest departure that counts as reached.
+const WHOLE: f64 = 0.998;
+
+/// Part of its size by which a mechanism must move for more than two poses.
+const STILL: f64 = 0.06;
+
+impl PoseFigure {
+    /// Only the first and the last pose where little moves between them.
+    pub fn without_repetition(mut self) -> Self {
+        let (Some(first), Some(last)) = (self.poses.first(), self.poses.last()) else {
+            return self;
+        };
+        let (from, to) = (first.spots(), last.spots());
+        let distance =
+            |a: &Spot, b: &Spot| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let Some((origin, _)) = from.first() else { return self };
+        let size = from.iter().map(|(spot, _)| distance(spot, origin)).fold(0.0, f64::max);
+        let moved = from.iter().zip(&to).map(|((a, _), (b, _))| distance(a, b)).fold(0.0, f64::max);
+        if from.len() == to.len() && moved < STILL * size && self.poses.len() > 2 {
+            let last = self.poses.len() - 1;
+            self.poses.swap(1, last);
+            self.poses.truncate(2);
+        }
+        self
+    }
 }
 
 #[cfg(test)]
@@ -132,10 +162,26 @@ mod tests {
     fn instants_lead_to_the_greatest_departure() {
         let away = [0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 2.0, 0.0];
         assert_eq!(instants(&away, 5), [0, 1, 2, 3, 4]);
+        assert_eq!(instants(&away, 3), [0, 2, 4]);
         assert_eq!(instants(&[0.0, 0.0], 5), [0]);
         assert_eq!(instants(&[f64::NAN, 1.0], 3), [0, 1]);
         assert_eq!(instants(&[0.0], 1), [0]);
         assert!(instants(&[], 3).len() == 1);
+    }
+
+    #[test]
+    fn what_hardly_moves_is_drawn_twice() {
+        let pose =
+            |x: f64| Pose { time: x, bars: vec![[[0.0; 3], [1.0, x, 0.0]]], ..Pose::default() };
+        let figure = |step: f64| PoseFigure {
+            title: String::new(),
+            strands: vec![],
+            up: [0.0, 0.0, 1.0],
+            poses: (0..5).map(|k| pose(k as f64 * step)).collect(),
+        };
+        let times = |figure: PoseFigure| figure.poses.iter().map(|p| p.time).collect::<Vec<_>>();
+        assert_eq!(times(figure(0.001).without_repetition()), [0.0, 0.004]);
+        assert_eq!(times(figure(0.1).without_repetition()).len(), 5);
     }
 
     #[test]

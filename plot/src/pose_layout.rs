@@ -11,6 +11,8 @@ use crate::view::{View, dot};
 
 /// Greatest height of all poses together (pt).
 const HEIGHT: f64 = 350.0;
+/// Part of the largest scale that is large enough.
+const FAIR: f64 = 0.8;
 /// Text under a pose.
 const CAPTION: f64 = 14.0;
 /// Between poses.
@@ -66,15 +68,19 @@ impl Layout {
             if k == 0 { middle - 0.5 * size[0] } else { middle + 0.5 * size[1] }
         });
         let count = figure.poses.len().max(1);
-        let (scale, columns) = (1..=count)
+        let choices: Vec<(f64, usize)> = (1..=count)
+            .filter(|columns| count.is_multiple_of(*columns))
             .map(|columns| {
                 let rows = count.div_ceil(columns) as f64;
                 let across = (WIDTH - 2.0 * MARGIN + GAP) / columns as f64 - GAP;
                 let down = (HEIGHT + GAP) / rows - GAP - CAPTION;
                 ((across / size[0]).min(down / size[1]), columns)
             })
-            .max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-            .unwrap_or((1.0, 1));
+            .collect();
+        // Fewer lines of poses are worth a somewhat smaller scale.
+        let largest_scale = choices.iter().map(|(scale, _)| *scale).fold(0.0, f64::max);
+        let fair = choices.iter().rev().find(|(scale, _)| *scale >= FAIR * largest_scale);
+        let (scale, columns) = fair.copied().unwrap_or((1.0, 1));
         let (colors, names) = colors(&figure.strands);
         let mut layout = Layout {
             view,

@@ -47,7 +47,7 @@ pub fn energy(values: Vec<f64>) -> Vec<Quantity> {
     let moved = largest(&mut change.iter().map(|e| e.abs()));
     let mut quantities = vec![Quantity::single("energy", unit.clone(), values)];
     if moved > 0.0 && moved < SMALL_CHANGE * size {
-        quantities.push(Quantity::single("energy − energy at start", unit, change));
+        quantities.push(Quantity::single("energy change since start", unit, change));
     }
     quantities
 }

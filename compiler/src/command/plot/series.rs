@@ -124,7 +124,7 @@ pub(super) fn quantities(run: &Run, model: &hir::Model) -> Vec<Quantity> {
     let mut quantities = vec![
         Quantity::new("joint angle", Unit::Angle, of_kind(CoordinateKind::Angle)),
         Quantity::new("displacement", Unit::Prefixed("m"), of_kind(CoordinateKind::Length)),
-        Quantity::new("strand length − start", Unit::Prefixed("m"), strands(&from_start)),
+        Quantity::new("change of strand length", Unit::Prefixed("m"), strands(&from_start)),
         Quantity::new("strand tension", Unit::Prefixed("N"), strands(&run.tensions)),
     ];
     quantities.extend(constraint_forces(run, model));

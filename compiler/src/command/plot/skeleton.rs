@@ -42,7 +42,7 @@ pub(super) fn figure(run: &mut Run, model: &hir::Model, title: String) -> PoseFi
     let gravity = mechanism.gravity.map(|g| skeleton.numbers.number(g));
     let up = if gravity == [0.0; 3] { [0.0, 0.0, 1.0] } else { gravity.map(|g| -g) };
     let strands = mechanism.strands.iter().map(|strand| strand.name.clone()).collect();
-    PoseFigure { title, strands, up, poses }
+    PoseFigure { title, strands, up, poses }.without_repetition()
 }
 
 /// How far the coordinates are from their start at each instant (rad; lengths against the model's).
@@ -124,6 +124,13 @@ impl<'a> Placed<'a> {
                 bars.extend(origin(link).map(|from| (from, at)));
             }
         }
+        let held = mechanism.constraints.iter().flat_map(|c| constraint_points(&c.kind));
+        let ends = mechanism.strands.iter().flat_map(|s| [s.points.first(), s.points.last()]);
+        for point in held.chain(ends.flatten().copied()) {
+            if let Some(link) = point.link.filter(|link| !self.is_solid(*link)) {
+                bars.extend(origin(link).zip(self.point(&point)));
+            }
+        }
         let bodies = |link| mechanism.bodies.iter().any(|body| body.link == Some(link));
         for (frame, place) in mechanism.frames.iter().zip(&self.frames) {
             if let Some(link) = frame.link.filter(|link| !bodies(*link)) {
@@ -137,6 +144,16 @@ impl<'a> Placed<'a> {
         }
         let apart = |(a, b): &(Spot, Spot)| a.iter().zip(b).any(|(x, y)| (x - y).abs() > 1e-9);
         bars.into_iter().filter(apart).map(|(a, b)| [a, b]).collect()
+    }
+
+    /// Whether a link carries a body with a size.
+    fn is_solid(&self, link: u32) -> bool {
+        let model = self.skeleton.model;
+        let frames = &self.skeleton.mechanism.frames;
+        model.masses.iter().any(|mass| {
+            frames[mass.frame.index()].link == Some(link)
+                && !matches!(mass.kind, MassKind::Explicit { .. })
+        })
     }
 
     fn solid(&self, mass: &hir::Mass) -> Option<Solid> {

@@ -1,0 +1,120 @@
+//! Whole figures: a small one word for word, odd ones for not failing.
+
+use handc_plot::pose::{Pose, PoseFigure, Solid};
+use handc_plot::timeplot::energy;
+use handc_plot::{Curve, Picture, Quantity, TimePlot, Unit, table};
+use std::path::Path;
+
+/// Compares with a file in `tests/golden`; `UPDATE=1` rewrites it.
+fn check(name: &str, text: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(&path, text).expect("the golden file is written");
+    }
+    let expected = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(text == expected, "{} differs; UPDATE=1 rewrites it", path.display());
+}
+
+fn curve(name: &str, values: &[f64]) -> Curve {
+    Curve { name: name.into(), values: values.to_vec() }
+}
+
+fn small() -> TimePlot {
+    let angles = vec![curve("mcp", &[0.0, 0.5, 1.0]), curve("pip", &[0.1, 0.2, f64::NAN])];
+    let mut quantities = vec![Quantity::new("joint angle", Unit::Angle, angles)];
+    quantities.extend(energy(vec![1e-3, 1.000001e-3, 1e-3]));
+    TimePlot { title: "small".into(), time: vec![0.0, 0.5, 1.0], quantities }
+}
+
+/// Every element is closed, and nothing is drawn at a place that is not a number.
+fn well_formed(svg: &str) {
+    let mut open = Vec::new();
+    for tag in svg.split('<').skip(1).filter_map(|part| part.split_once('>')).map(|part| part.0) {
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name.to_string()));
+        } else if !tag.ends_with('/') {
+            open.push(tag.split(' ').next().unwrap_or_default().to_string());
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+}
+
+#[test]
+fn a_small_figure_stays_as_it_is() {
+    let svg = small().svg();
+    well_formed(&svg);
+    check("small.svg", &svg);
+    let png = small().png().expect("a picture");
+    assert!(png.starts_with(b"\x89PNG\r\n") && png.len() > 5_000);
+    // Width and height stand after the header.
+    assert_eq!(u32::from_be_bytes([png[16], png[17], png[18], png[19]]), 1620);
+}
+
+#[test]
+fn poses_stay_as_they_are() {
+    let pose = |angle: f64| {
+        let (s, c) = angle.sin_cos();
+        let tip = [0.1 * c, 0.1 * s, 0.0];
+        Pose {
+            time: angle,
+            solids: vec![
+                Solid::Rod { from: [0.0; 3], to: tip, radius: 0.01 },
+                Solid::Ball { center: tip, radius: 0.02 },
+            ],
+            joints: vec![[0.0; 3]],
+            anchors: vec![[-0.05, 0.02, 0.0]],
+            strands: vec![vec![[-0.05, 0.02, 0.0], tip]],
+            ..Pose::default()
+        }
+    };
+    let poses = [0.0, 0.5, 1.0].map(pose).to_vec();
+    let strands = vec!["cable".to_string()];
+    let figure = PoseFigure { title: "arm".into(), strands, up: [0.0, 0.0, 1.0], poses };
+    well_formed(&figure.svg());
+    check("arm.svg", &figure.svg());
+    assert!(figure.png().expect("a picture").len() > 5_000);
+}
+
+#[test]
+fn odd_numbers_do_no_harm() {
+    let odd = [f64::NAN, f64::INFINITY, -1e300, 1e-310, 0.0];
+    for unit in [Unit::Angle, Unit::Prefixed("m"), Unit::Plain("K".into())] {
+        for values in [&odd[..], &odd[..1], &[1e200, -1e200, 1e200], &[5.0, 5.0 + 1e-13, 5.0]] {
+            let time: Vec<f64> = (0..values.len()).map(|i| i as f64).collect();
+            let curves = (0..20).map(|i| curve(&format!("a{i}.<b>"), values)).collect();
+            let quantities = vec![
+                Quantity::new("many", unit.clone(), curves),
+                Quantity::new("one", unit.clone(), vec![curve("x", values)]),
+            ];
+            let plot = TimePlot { title: "odd & long ".repeat(30), time, quantities };
+            well_formed(&plot.svg());
+            assert!(plot.png().is_ok());
+        }
+    }
+}
+
+#[test]
+fn empty_figures_do_no_harm() {
+    let plot = TimePlot { title: String::new(), time: vec![], quantities: vec![] };
+    well_formed(&plot.svg());
+    let figure = PoseFigure { title: String::new(), strands: vec![], up: [0.0; 3], poses: vec![] };
+    well_formed(&figure.svg());
+    let broken = Pose { strands: vec![vec![[f64::NAN; 3], [1.0; 3]]], ..Pose::default() };
+    let figure = PoseFigure { poses: vec![broken, Pose::default()], ..figure };
+    well_formed(&figure.svg());
+    assert!(figure.png().is_ok());
+}
+
+#[test]
+fn tables_of_one_row_and_of_many_are_drawn() {
+    let one = table::read("t,a,energy\n0,1,2\n".as_bytes()).expect("a table").plot("one");
+    well_formed(&one.svg());
+    assert!(one.svg().contains("<circle"));
+    let mut text = String::from("t,a\n");
+    for i in 0..200_000 {
+        text.push_str(&format!("{},{}\n", f64::from(i) * 1e-3, (f64::from(i) * 0.7).sin()));
+    }
+    let many = table::read(text.as_bytes()).expect("a table").plot("many");
+    assert!(many.svg().len() < 200_000, "{}", many.svg().len());
+}
