@@ -25,28 +25,44 @@ const RESERVED_CRATES: [&str; 11] = [
 ];
 
 /// Type names of a generated crate, and those its code mentions.
-const RESERVED_TYPES: [&str; 22] = [
+const RESERVED_TYPES: &[&str] = &[
     "Arc",
     "Box",
     "Clone",
+    "Copy",
     "Debug",
     "Default",
-    "Energy",
+    "Drop",
+    "From",
     "Inputs",
     "Instant",
+    "Into",
+    "Iterator",
     "Layout",
     "Midpoint",
     "Model",
+    "None",
+    "Ok",
     "Option",
     "Params",
+    "PartialEq",
     "Pose",
     "Result",
     "RunError",
     "ScenarioValues",
     "Self",
+    "Send",
     "Settings",
     "Simulation",
+    "Sized",
+    "Some",
+    "State",
+    "StepError",
+    "Stepper",
     "String",
+    "Surroundings",
+    "Sync",
+    "ToString",
     "Vec",
 ];
 
@@ -138,7 +154,10 @@ impl Names {
         } else {
             layout.name.clone()
         };
-        let mut taken = Taken::with(RESERVED_TYPES);
+        let mut model = camel(&layout.name);
+        if RESERVED_TYPES.contains(&model.as_str()) {
+            model.push_str("Mechanism");
+        }
         let coordinates = layout.coordinates.iter().map(|c| c.name.clone());
         let params = || layout.params.iter().map(|p| p.name.clone());
         let inputs = || layout.inputs.iter().map(|i| i.name.clone());
@@ -149,7 +168,7 @@ impl Names {
         let names = Names {
             library: Taken::with(RESERVED_CRATES).take(&snake(&package)),
             package,
-            model: identifier(&taken.take(&camel(&layout.name))),
+            model: identifier(&model),
             coordinates: Indices::new("coordinate", "COORDINATES", "coordinate", coordinates),
             strands: Indices::new("strand", "STRANDS", "strand", strands),
             inputs: Indices::new("input", "INPUTS", "input", inputs()),
