@@ -60,6 +60,12 @@ impl Interpreter {
         mechanics.frame_poses(workspace, q)
     }
 
+    /// Transforms `world_from_link` of all links at q.
+    pub fn link_poses(&mut self, q: &[f64]) -> Vec<Transform<f64>> {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.link_poses(workspace, q)
+    }
+
     fn mechanics(&mut self) -> (Mechanics<'_, f64>, &mut Workspace<f64>) {
         let mechanics = Mechanics {
             mechanism: &self.mechanism,

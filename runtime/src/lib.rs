@@ -4,6 +4,7 @@
 //! [`resolved`] its numbers for given parameters, [`mechanics`] the equations over both. The
 //! integrator and everything around a run live in `handc_core`, which generated crates share.
 
+pub mod analysis;
 pub mod expression;
 pub mod interpreter;
 pub mod mechanics;

@@ -333,12 +333,14 @@ impl Structure {
         }
         let rows: Vec<Vec<usize>> =
             mechanism.constraints.iter().map(|c| self.constraint_coordinates(&c.kind)).collect();
+        let unconstrained = groups.len();
         groups.extend(rows.iter().cloned());
         let dynamic: Vec<bool> = mechanism.coordinates.iter().map(|c| c.drive.is_none()).collect();
         for group in &mut groups {
             group.retain(|&c| dynamic[c]);
         }
         let root = components(self.count, &groups);
+        let part_root = components(self.count, &groups[..unconstrained]);
         let mut block_of_root = vec![usize::MAX; self.count];
         for coordinate in (0..self.count).filter(|&c| dynamic[c]) {
             let block = &mut block_of_root[root[coordinate]];
@@ -347,6 +349,7 @@ impl Structure {
                 self.blocks.push(Block {
                     coordinates: Vec::new(),
                     rows: Vec::new(),
+                    parts: Vec::new(),
                     matrix_offset: 0,
                     constraint_offset: 0,
                 });
@@ -365,6 +368,17 @@ impl Structure {
         }
         let (mut matrix_offset, mut constraint_offset) = (0, 0);
         for block in &mut self.blocks {
+            let mut roots: Vec<usize> = Vec::new();
+            for (local, &coordinate) in block.coordinates.iter().enumerate() {
+                let root = part_root[coordinate];
+                match roots.iter().position(|&r| r == root) {
+                    Some(part) => block.parts[part].push(local),
+                    None => {
+                        roots.push(root);
+                        block.parts.push(vec![local]);
+                    }
+                }
+            }
             block.matrix_offset = matrix_offset;
             block.constraint_offset = constraint_offset;
             matrix_offset += block.coordinates.len() * block.coordinates.len();

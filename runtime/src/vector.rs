@@ -36,7 +36,8 @@ impl<S: Scalar> Vec3<S> {
     /// Product with a scalar.
     #[inline]
     pub fn scale(self, factor: S) -> Self {
-        Vec3(self.0.map(|x| x * factor))
+        let [x, y, z] = self.0;
+        Vec3([x * factor, y * factor, z * factor])
     }
     /// Square of the length.
     #[inline]
@@ -67,7 +68,8 @@ impl<S: Scalar> Neg for Vec3<S> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
-        Vec3(self.0.map(|x| -x))
+        let [x, y, z] = self.0;
+        Vec3([-x, -y, -z])
     }
 }
 impl<S: Scalar> AddAssign for Vec3<S> {
@@ -120,15 +122,16 @@ impl<S: Scalar> Mul<Vec3<S>> for Mat3<S> {
     type Output = Vec3<S>;
     #[inline]
     fn mul(self, v: Vec3<S>) -> Vec3<S> {
-        Vec3(self.0.map(|row| Vec3(row).dot(v)))
+        let [x, y, z] = self.0;
+        Vec3([Vec3(x).dot(v), Vec3(y).dot(v), Vec3(z).dot(v)])
     }
 }
 impl<S: Scalar> Mul for Mat3<S> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        let columns = [0, 1, 2].map(|j| self * other.column(j));
-        Mat3([0, 1, 2].map(|i| [columns[0].0[i], columns[1].0[i], columns[2].0[i]]))
+        let (a, b, c) = (self * other.column(0), self * other.column(1), self * other.column(2));
+        Mat3([[a.0[0], b.0[0], c.0[0]], [a.0[1], b.0[1], c.0[1]], [a.0[2], b.0[2], c.0[2]]])
     }
 }
 

@@ -71,8 +71,7 @@ impl Lowering<'_> {
             MassKind::Capsule { from, to, radius, amount } => {
                 let (a, b, r) = (self.vector(from), self.vector(to), self.expr(radius));
                 let length = (b - a).norm_squared().sqrt();
-                let (tube, ball) =
-                    ((r * r * length).scale(PI), (r * r * r).scale(4.0 / 3.0 * PI));
+                let (tube, ball) = ((r * r * length).scale(PI), (r * r * r).scale(4.0 / 3.0 * PI));
                 let mass = self.mass(amount, tube + ball);
                 let density = mass / (tube + ball);
                 let (tube, ball) = (density * tube, density * ball);

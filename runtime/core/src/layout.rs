@@ -53,6 +53,9 @@ pub struct Block {
     pub coordinates: Vec<usize>,
     /// Constraint rows by index, ascending.
     pub rows: Vec<usize>,
+    /// Positions in `coordinates` that the Newton matrix couples without the help of constraints;
+    /// each position stands in one part.
+    pub parts: Vec<Vec<usize>>,
     /// Where the block's matrices start in packed storage.
     pub matrix_offset: usize,
     /// Where the block's constraint Jacobian starts in packed storage.

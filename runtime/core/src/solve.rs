@@ -5,13 +5,39 @@
 //!
 //! solved for the increment δ of the coordinates and the whole of λ, with r taken at λ = 0. Solving
 //! for λ itself rather than for its change makes the answer of least norm where rows are redundant.
-//! The ordinary way is LU of J and of the Schur complement; where a pivot is small the whole system
-//! is solved by the rank-revealing method.
+//! J falls into parts that only constraints tie together (the five fingers on a ball); each part has
+//! its own LU, and the Schur complement G₁J⁻¹G₀ᵀ ties them. Where a pivot is small the whole system
+//! is solved by the rank-revealing method. Factors are kept, so that a second right-hand side costs
+//! a substitution.
 
 use crate::linalg::{Pivots, lu_factor, lu_solve, solve_least_norm};
 
 /// A pivot below this ratio sends the solve to the rank-revealing method.
 const SMALL_PIVOT: f64 = 1e-11;
+
+/// A part of a block, with its LU factors.
+#[derive(Clone, Debug)]
+struct Part {
+    /// Which of the block's free coordinates.
+    members: Vec<usize>,
+    /// Rows that touch it, local to the block.
+    rows: Vec<usize>,
+    lu: Vec<f64>,
+    order: Vec<usize>,
+    /// J⁻¹G₀ᵀ, one column after another, for the rows that touch it.
+    x: Vec<f64>,
+}
+
+/// How the factors are to be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Method {
+    /// LU of the parts, and of the Schur complement if there are rows.
+    Regular,
+    /// LU of the parts, rank-revealing Schur complement.
+    RedundantRows,
+    /// Rank-revealing solve of everything.
+    Whole,
+}
 
 /// One block's system, with the coordinates that are free in this run.
 #[derive(Clone, Debug)]
@@ -25,40 +51,69 @@ pub(crate) struct BlockSystem {
     width: usize,
     matrix_offset: usize,
     constraint_offset: usize,
-    j: Vec<f64>,
-    order: Vec<usize>,
-    scratch: Vec<f64>,
-    x: Vec<f64>,
+    parts: Vec<Part>,
+    method: Method,
+    /// Schur complement, its LU and the row order.
     schur: Vec<f64>,
+    schur_lu: Vec<f64>,
     schur_order: Vec<usize>,
+    /// G₁ by rows over the free coordinates.
+    g1: Vec<f64>,
+    whole: Vec<f64>,
+    scratch: Vec<f64>,
+    gather: Vec<f64>,
     rhs: Vec<f64>,
 }
 
-/// The system is singular: the coordinates or rows that are left undetermined.
+/// The system is singular: a coordinate that nothing determines.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Singular {
-    /// Index of a coordinate that nothing determines.
+    /// Its index.
     pub(crate) coordinate: usize,
 }
 
 impl BlockSystem {
     pub(crate) fn new(block: &crate::layout::Block, driven: &[bool]) -> Self {
-        let free = |&(_, c): &(usize, usize)| !driven[c];
-        let pairs: Vec<_> = block.coordinates.iter().copied().enumerate().filter(free).collect();
-        let (n, m) = (pairs.len(), block.rows.len());
+        let mut free_of_local = vec![None; block.coordinates.len()];
+        let (mut coordinates, mut local) = (Vec::new(), Vec::new());
+        for (position, &c) in block.coordinates.iter().enumerate().filter(|(_, c)| !driven[**c]) {
+            free_of_local[position] = Some(coordinates.len());
+            coordinates.push(c);
+            local.push(position);
+        }
+        let (n, m) = (coordinates.len(), block.rows.len());
+        let parts = block
+            .parts
+            .iter()
+            .map(|part| part.iter().filter_map(|&p| free_of_local[p]).collect::<Vec<_>>())
+            .filter(|members| !members.is_empty())
+            .map(|members| {
+                let size = members.len();
+                Part {
+                    members,
+                    rows: Vec::with_capacity(m),
+                    lu: vec![0.0; size * size],
+                    order: vec![0; size],
+                    x: vec![0.0; size * m],
+                }
+            })
+            .collect();
         BlockSystem {
-            coordinates: pairs.iter().map(|p| p.1).collect(),
+            coordinates,
             rows: block.rows.clone(),
-            local: pairs.iter().map(|p| p.0).collect(),
+            local,
             width: block.coordinates.len(),
             matrix_offset: block.matrix_offset,
             constraint_offset: block.constraint_offset,
-            j: vec![0.0; n * n],
-            order: vec![0; n.max(m)],
-            scratch: vec![0.0; n.max(m)],
-            x: vec![0.0; n * m],
+            parts,
+            method: Method::Regular,
             schur: vec![0.0; m * m],
+            schur_lu: vec![0.0; m * m],
             schur_order: vec![0; m],
+            g1: vec![0.0; n * m],
+            whole: Vec::new(),
+            scratch: vec![0.0; n.max(m)],
+            gather: vec![0.0; n],
             rhs: vec![0.0; m],
         }
     }
@@ -69,112 +124,170 @@ impl BlockSystem {
         matrix[self.matrix_offset + self.local[i] * self.width + self.local[j]]
     }
 
+    /// Row i of the packed matrix, over all the block's coordinates.
+    #[inline]
+    pub(crate) fn matrix_row<'a>(&self, matrix: &'a [f64], i: usize) -> &'a [f64] {
+        let first = self.matrix_offset + self.local[i] * self.width;
+        &matrix[first..first + self.width]
+    }
+
+    /// Position in the packed block of a free coordinate.
+    #[inline]
+    pub(crate) fn position(&self, i: usize) -> usize {
+        self.local[i]
+    }
+
     /// Entry (row, j) of the packed constraint Jacobian, row local, j counting free coordinates.
     #[inline]
     pub(crate) fn constraint_entry(&self, jacobian: &[f64], row: usize, j: usize) -> f64 {
         jacobian[self.constraint_offset + row * self.width + self.local[j]]
     }
 
-    /// Solves; `step` holds r on entry and δ on return (free coordinates, local order), `lambda`
-    /// holds c on entry and λ on return (local rows).
-    pub(crate) fn solve(
+    /// Factors the system.
+    pub(crate) fn factor(
         &mut self,
         matrix: &[f64],
         g0: &[f64],
         g1: &[f64],
-        step: &mut [f64],
-        lambda: &mut [f64],
     ) -> Result<Pivots, Singular> {
         let (n, m) = (self.coordinates.len(), self.rows.len());
-        for i in 0..n {
-            for k in 0..n {
-                self.j[i * n + k] = self.entry(matrix, i, k);
-            }
-        }
-        let pivots = lu_factor(&mut self.j, n, &mut self.order, &mut self.scratch);
-        if n > 0 && !(pivots.smallest > SMALL_PIVOT) {
-            return self.solve_whole(matrix, g0, g1, step, lambda, pivots);
-        }
-        lu_solve(&self.j, n, &self.order, step, &mut self.scratch);
-        if m == 0 {
-            step.iter_mut().for_each(|x| *x = -*x);
-            return Ok(pivots);
-        }
-        // x: column r holds J⁻¹G₀ᵀ of constraint row r, stored one after another.
         for row in 0..m {
             for k in 0..n {
-                self.x[row * n + k] = self.constraint_entry(g0, row, k);
-            }
-            let column = &mut self.x[row * n..(row + 1) * n];
-            lu_solve(&self.j, n, &self.order, column, &mut self.scratch);
-        }
-        for row in 0..m {
-            let mut sum = -lambda[row];
-            for k in 0..n {
-                sum += self.constraint_entry(g1, row, k) * step[k];
-            }
-            self.rhs[row] = sum;
-            for column in 0..m {
-                self.schur[row * m + column] = (0..n)
-                    .map(|k| self.constraint_entry(g1, row, k) * self.x[column * n + k])
-                    .sum();
+                self.g1[row * n + k] = self.constraint_entry(g1, row, k);
             }
         }
-        let kept = self.schur.clone();
-        let schur = lu_factor(&mut self.schur, m, &mut self.schur_order, &mut self.scratch);
-        if schur.smallest > SMALL_PIVOT {
-            lu_solve(&self.schur, m, &self.schur_order, &mut self.rhs, &mut self.scratch);
-            lambda.copy_from_slice(&self.rhs);
-        } else {
-            lambda.copy_from_slice(&solve_least_norm(&kept, m, m, &self.rhs).x);
+        self.schur.fill(0.0);
+        self.method = Method::Regular;
+        let mut range = Pivots { smallest: f64::INFINITY, largest: 0.0 };
+        let mut parts = std::mem::take(&mut self.parts);
+        for part in &mut parts {
+            let pivots = self.factor_part(part, matrix, g0);
+            range.smallest = range.smallest.min(pivots.smallest);
+            range.largest = range.largest.max(pivots.largest);
         }
-        for k in 0..n {
-            let pull: f64 = (0..m).map(|row| self.x[row * n + k] * lambda[row]).sum();
-            step[k] = pull - step[k];
+        self.parts = parts;
+        if n > 0 && !(range.smallest > SMALL_PIVOT) {
+            return self.keep_whole(matrix, g0, range);
         }
-        Ok(pivots)
+        if m > 0 {
+            self.schur_lu.copy_from_slice(&self.schur);
+            let schur = lu_factor(&mut self.schur_lu, m, &mut self.schur_order, &mut self.scratch);
+            if !(schur.smallest > SMALL_PIVOT) {
+                self.method = Method::RedundantRows;
+            }
+        }
+        Ok(range)
     }
 
-    /// Where J alone is singular: the whole system, rank-revealing. A coordinate that stays
-    /// undetermined is an error; dependent multipliers are not.
-    fn solve_whole(
+    fn factor_part(&mut self, part: &mut Part, matrix: &[f64], g0: &[f64]) -> Pivots {
+        let (n, m, size) = (self.coordinates.len(), self.rows.len(), part.members.len());
+        for (i, &a) in part.members.iter().enumerate() {
+            for (k, &b) in part.members.iter().enumerate() {
+                part.lu[i * size + k] = self.entry(matrix, a, b);
+            }
+        }
+        let pivots = lu_factor(&mut part.lu, size, &mut part.order, &mut self.scratch);
+        part.rows.clear();
+        if !(pivots.smallest > SMALL_PIVOT) {
+            return pivots;
+        }
+        for row in 0..m {
+            let column = &mut part.x[part.rows.len() * size..(part.rows.len() + 1) * size];
+            let mut touches = false;
+            for (x, &member) in column.iter_mut().zip(&part.members) {
+                *x = self.constraint_entry(g0, row, member);
+                touches |= *x != 0.0;
+            }
+            if touches {
+                lu_solve(&part.lu, size, &part.order, column, &mut self.scratch);
+                part.rows.push(row);
+            }
+        }
+        for row in 0..m {
+            let g1 = &self.g1[row * n..(row + 1) * n];
+            for (column, &global) in part.x.chunks_exact(size).zip(&part.rows) {
+                let sum: f64 = part.members.iter().zip(column).map(|(&k, x)| g1[k] * x).sum();
+                self.schur[row * m + global] += sum;
+            }
+        }
+        pivots
+    }
+
+    /// Keeps the whole system for the rank-revealing method; finds out now whether a coordinate
+    /// stays undetermined. Dependent multipliers are no error.
+    fn keep_whole(
         &mut self,
         matrix: &[f64],
         g0: &[f64],
-        g1: &[f64],
-        step: &mut [f64],
-        lambda: &mut [f64],
-        pivots: Pivots,
+        range: Pivots,
     ) -> Result<Pivots, Singular> {
         let (n, m) = (self.coordinates.len(), self.rows.len());
         let size = n + m;
-        let mut whole = vec![0.0; size * size];
-        let mut rhs = vec![0.0; size];
+        self.whole.clear();
+        self.whole.resize(size * size, 0.0);
         for i in 0..n {
             for k in 0..n {
-                whole[i * size + k] = self.entry(matrix, i, k);
+                self.whole[i * size + k] = self.entry(matrix, i, k);
             }
             for row in 0..m {
-                whole[i * size + n + row] = -self.constraint_entry(g0, row, i);
-                whole[(n + row) * size + i] = self.constraint_entry(g1, row, i);
+                self.whole[i * size + n + row] = -self.constraint_entry(g0, row, i);
+                self.whole[(n + row) * size + i] = self.g1[row * n + i];
             }
-            rhs[i] = -step[i];
         }
-        for row in 0..m {
-            rhs[n + row] = -lambda[row];
-        }
-        if whole.iter().chain(&rhs).any(|x| !x.is_finite()) {
+        if self.whole.iter().any(|x| !x.is_finite()) {
             return Err(Singular { coordinate: self.coordinates[0] });
         }
-        let solution = solve_least_norm(&whole, size, size, &rhs);
-        // A dependent column among the multipliers is redundancy, unless it hides behind one of
-        // the coordinates; ask each coordinate's column in turn to be independent.
-        let free = solution.dependent.iter().find(|&&column| column < n);
-        if let Some(&column) = free {
+        let trial = solve_least_norm(&self.whole, size, size, &vec![0.0; size]);
+        if let Some(&column) = trial.dependent.iter().find(|&&column| column < n) {
             return Err(Singular { coordinate: self.coordinates[column] });
         }
-        step.copy_from_slice(&solution.x[..n]);
-        lambda.copy_from_slice(&solution.x[n..]);
-        Ok(Pivots { smallest: pivots.smallest.max(f64::EPSILON), largest: pivots.largest })
+        self.method = Method::Whole;
+        Ok(Pivots { smallest: range.smallest.max(f64::EPSILON), largest: range.largest })
+    }
+
+    /// Solves with the factors; `step` holds r at λ = 0 on entry and δ on return (free coordinates,
+    /// local order), `lambda` holds c on entry and λ on return (local rows).
+    pub(crate) fn solve(&mut self, step: &mut [f64], lambda: &mut [f64]) {
+        let (n, m) = (self.coordinates.len(), self.rows.len());
+        if self.method == Method::Whole {
+            let rhs: Vec<f64> = step.iter().chain(lambda.iter()).map(|x| -x).collect();
+            let solution = solve_least_norm(&self.whole, n + m, n + m, &rhs);
+            step.copy_from_slice(&solution.x[..n]);
+            lambda.copy_from_slice(&solution.x[n..]);
+            return;
+        }
+        for part in &self.parts {
+            let size = part.members.len();
+            let gather = &mut self.gather[..size];
+            for (x, &member) in gather.iter_mut().zip(&part.members) {
+                *x = step[member];
+            }
+            lu_solve(&part.lu, size, &part.order, gather, &mut self.scratch);
+            for (x, &member) in gather.iter().zip(&part.members) {
+                step[member] = -x;
+            }
+        }
+        if m == 0 {
+            return;
+        }
+        for row in 0..m {
+            let g1 = &self.g1[row * n..(row + 1) * n];
+            let reached: f64 = g1.iter().zip(step.iter()).map(|(g, x)| g * x).sum();
+            self.rhs[row] = -lambda[row] - reached;
+        }
+        if self.method == Method::Regular {
+            lu_solve(&self.schur_lu, m, &self.schur_order, &mut self.rhs, &mut self.scratch);
+            lambda.copy_from_slice(&self.rhs);
+        } else {
+            lambda.copy_from_slice(&solve_least_norm(&self.schur, m, m, &self.rhs).x);
+        }
+        for part in &self.parts {
+            let size = part.members.len();
+            for (column, &row) in part.x.chunks_exact(size).zip(&part.rows) {
+                for (x, &member) in column.iter().zip(&part.members) {
+                    step[member] += x * lambda[row];
+                }
+            }
+        }
     }
 }

@@ -19,6 +19,8 @@ const FLOOR: f64 = 1.0 * f64::EPSILON;
 /// A Newton correction below this, relative to its coordinate, that no longer lowers the residual
 /// has reached the floor.
 const STAGNATION: f64 = 1e-12;
+/// Factors are used again as long as an iteration brings the residual below this part of it.
+const KEEP_FACTORS: f64 = 1e-2;
 /// Newton iterations per guess.
 const MAX_ITERATIONS: usize = 40;
 
@@ -209,34 +211,35 @@ impl Stepper {
         if !merit.is_finite() {
             return Attempt::NotFinite;
         }
-        for iteration in 0..MAX_ITERATIONS {
+        // While the residual falls fast enough the factors of an earlier iteration serve again: near
+        // the solution they are as good as new and cost no matrix.
+        let mut keep = false;
+        'newton: for iteration in 0..MAX_ITERATIONS {
             if merit <= 1.0 {
                 return Attempt::Converged;
             }
-            if iteration > 0 {
-                self.evaluate(model, state, around, true);
-                self.set_scales(state);
-                merit = self.merit(state, around);
-            }
             self.iterations += 1;
-            if let Err(coordinate) = self.newton_step(around) {
-                return Attempt::Singular(coordinate);
+            if !keep {
+                if iteration > 0 {
+                    self.evaluate(model, state, around, true);
+                    self.set_scales(state);
+                    merit = self.merit(state, around);
+                }
+                if let Err(coordinate) = self.factor() {
+                    return Attempt::Singular(coordinate);
+                }
             }
+            self.newton_step();
             let correction = self.correction_size(state);
             if !correction.is_finite() {
                 return Attempt::NotFinite;
             }
             self.trial.copy_from_slice(&self.delta);
             self.trial_lambda.copy_from_slice(&self.lambda);
+            let before = merit;
             let mut fraction = 1.0;
             loop {
-                for i in 0..self.delta.len() {
-                    self.delta[i] = self.trial[i] + fraction * self.newton[i];
-                }
-                for i in 0..self.lambda.len() {
-                    let change = self.newton_lambda[i] - self.trial_lambda[i];
-                    self.lambda[i] = self.trial_lambda[i] + fraction * change;
-                }
+                self.move_by(fraction);
                 self.evaluate(model, state, around, false);
                 let next = self.merit(state, around);
                 if next <= 1.0 || next < merit * (1.0 - 1e-4 * fraction) {
@@ -249,9 +252,16 @@ impl Stepper {
                 }
                 fraction *= 0.5;
                 if fraction < 1e-3 {
-                    return Attempt::Failed;
+                    if !keep {
+                        return Attempt::Failed;
+                    }
+                    self.delta.copy_from_slice(&self.trial);
+                    self.lambda.copy_from_slice(&self.trial_lambda);
+                    keep = false;
+                    continue 'newton;
                 }
             }
+            keep = merit < KEEP_FACTORS * before;
         }
         if merit <= 1.0 { Attempt::Converged } else { Attempt::Failed }
     }
@@ -304,11 +314,12 @@ impl Stepper {
         for block in &self.blocks {
             let size = |c: usize| state.q[c].abs().max(self.floor_scale[c]);
             for (i, &c) in block.coordinates.iter().enumerate() {
+                let entries = block.matrix_row(&self.matrix, i);
                 let row: f64 = block
                     .coordinates
                     .iter()
                     .enumerate()
-                    .map(|(k, &other)| block.entry(&self.matrix, i, k).abs() * size(other))
+                    .map(|(k, &other)| entries[block.position(k)].abs() * size(other))
                     .sum();
                 let pull: f64 = block
                     .rows
@@ -360,10 +371,22 @@ impl Stepper {
         (self.residual[c].abs(), self.scale[c].max(asked))
     }
 
-    fn newton_step(&mut self, _around: &Surroundings) -> Result<(), usize> {
+    fn factor(&mut self) -> Result<(), usize> {
         self.condition = 0.0;
-        self.newton.fill(0.0);
-        self.newton_lambda.fill(0.0);
+        for block in &mut self.blocks {
+            match block.factor(&self.matrix, &self.g0, &self.g1) {
+                Ok(pivots) => self.condition = self.condition.max(pivots.condition()),
+                Err(singular) => {
+                    self.condition = f64::INFINITY;
+                    return Err(singular.coordinate);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The full correction, from the residual at hand and the factors kept.
+    fn newton_step(&mut self) {
         for block in &mut self.blocks {
             let (n, m) = (block.coordinates.len(), block.rows.len());
             let step = &mut self.block_step[..n];
@@ -379,13 +402,7 @@ impl Stepper {
             for (k, &row) in block.rows.iter().enumerate() {
                 lambda[k] = self.gap[row];
             }
-            match block.solve(&self.matrix, &self.g0, &self.g1, step, lambda) {
-                Ok(pivots) => self.condition = self.condition.max(pivots.condition()),
-                Err(singular) => {
-                    self.condition = f64::INFINITY;
-                    return Err(singular.coordinate);
-                }
-            }
+            block.solve(step, lambda);
             for (i, &c) in block.coordinates.iter().enumerate() {
                 self.newton[c] = step[i];
             }
@@ -393,7 +410,17 @@ impl Stepper {
                 self.newton_lambda[row] = lambda[k];
             }
         }
-        Ok(())
+    }
+
+    /// Puts the increment at a fraction of the correction beyond the last one.
+    fn move_by(&mut self, fraction: f64) {
+        for i in 0..self.delta.len() {
+            self.delta[i] = self.trial[i] + fraction * self.newton[i];
+        }
+        for i in 0..self.lambda.len() {
+            let change = self.newton_lambda[i] - self.trial_lambda[i];
+            self.lambda[i] = self.trial_lambda[i] + fraction * change;
+        }
     }
 
     fn correction_size(&self, state: &State) -> f64 {

@@ -212,6 +212,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         p
     }
 
+    #[inline]
     fn turn_all(&self, crossings: &mut [Crossing<S>], turn: impl Fn(Vec3<S>) -> Vec3<S>) {
         for crossing in crossings {
             crossing.axis = turn(crossing.axis);
@@ -221,6 +222,7 @@ impl<S: Scalar> Mechanics<'_, S> {
 }
 
 /// The joint just crossed by the point `p`, given in the joint's own axes.
+#[inline]
 fn crossing<S: Scalar>(
     joint: &Joint<S>,
     coordinate: usize,

@@ -28,12 +28,12 @@ pub(crate) fn rotate<S: Scalar>(r: Mat3<S>, axis: &Axis<S>, (s, c): (S, S)) -> M
     match axis {
         Axis::Principal(i) => {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            Mat3(r.0.map(|row| {
-                let mut out = row;
-                out[j] = row[j] * c + row[k] * s;
-                out[k] = row[k] * c - row[j] * s;
-                out
-            }))
+            let mut out = r;
+            for (row, old) in out.0.iter_mut().zip(&r.0) {
+                row[j] = old[j] * c + old[k] * s;
+                row[k] = old[k] * c - old[j] * s;
+            }
+            out
         }
         Axis::General(_) => {
             let columns = [0, 1, 2].map(|j| {
@@ -132,6 +132,13 @@ impl<S: Scalar> Mechanics<'_, S> {
         } else {
             link.linear
         }
+    }
+
+    /// Transforms `world_from_link` of all links, in order.
+    pub fn link_poses(&self, workspace: &mut Workspace<S>, q: &[S]) -> Vec<Transform<S>> {
+        self.prepare(workspace, q);
+        self.world_links(workspace, q, |_| true);
+        workspace.world.iter().map(|link| link.transform).collect()
     }
 
     /// Transforms `world_from_frame` of the model's named frames, in order.

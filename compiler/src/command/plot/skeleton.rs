@@ -142,8 +142,36 @@ impl<'a> Placed<'a> {
                 bars.extend(self.point(first).zip(self.point(second)));
             }
         }
+        for mass in &self.skeleton.model.masses {
+            bars.extend(self.inertia_axes(mass));
+        }
         let apart = |(a, b): &(Spot, Spot)| a.iter().zip(b).any(|(x, y)| (x - y).abs() > 1e-9);
         bars.into_iter().filter(apart).map(|(a, b)| [a, b]).collect()
+    }
+
+    /// Half axes of the box that has the inertia of a free body without a shape, so that its
+    /// turning is seen.
+    fn inertia_axes(&self, mass: &hir::Mass) -> Vec<(Spot, Spot)> {
+        let model = self.skeleton.model;
+        let frame = self.frames[mass.frame.index()];
+        let joint = model.frames[mass.frame.index()].joint;
+        let free = joint.is_some_and(|j| model.joints[j.index()].kind == JointKind::Free);
+        let MassKind::Explicit { mass, at, inertia: Some(inertia) } = &mass.kind else {
+            return Vec::new();
+        };
+        if !free {
+            return Vec::new();
+        }
+        let value = |expr: &Expr| value(expr, &self.skeleton.numbers.params);
+        let moments = [0, 1, 2].map(|i| value(&inertia[i]));
+        let center = Vec3([0, 1, 2].map(|i| value(&at[i])));
+        let axis = |i: usize| {
+            let spread = 0.5 * (moments.iter().sum::<f64>() - 2.0 * moments[i]) / value(mass);
+            let mut end = center;
+            end.0[i] += (3.0 * spread.max(0.0)).sqrt();
+            (frame.point(center).0, frame.point(end).0)
+        };
+        vec![axis(0), axis(1), axis(2)]
     }
 
     /// Whether a link carries a body with a size.

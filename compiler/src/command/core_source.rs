@@ -1,0 +1,67 @@
+//! Where a generated crate finds what it links to.
+//!
+//! In a checkout it is the folder `runtime/core`, named by a relative path so that generated text
+//! does not depend on the machine. A command that has been moved away from its checkout carries the
+//! sources along and writes them beside the crate.
+
+use super::compile::relative;
+use crate::emit::package::File;
+use std::path::Path;
+
+/// How a generated crate reaches the core.
+pub(crate) struct Core {
+    /// Path from the crate's folder.
+    pub(crate) path: String,
+    /// Files to write into the crate, if it must bring the core along.
+    pub(crate) files: Vec<File>,
+}
+
+macro_rules! sources {
+    ($($file:literal)*) => {
+        &[$(($file, include_str!(concat!("../../../runtime/core/src/", $file, ".rs")))),*]
+    };
+}
+
+const SOURCES: &[(&str, &str)] = sources![
+    "ensemble" "error" "frequency" "layout" "lib" "linalg" "math" "model" "motion" "runner"
+    "scalar" "simulation" "solve" "start" "step" "trajectory"
+];
+
+const MANIFEST: &str = "[package]
+name = \"handc-core\"
+version = \"0.1.0\"
+edition = \"2024\"
+";
+
+/// Finds the core for a crate in `folder`.
+pub(crate) fn locate(folder: &Path) -> Result<Core, String> {
+    let checkout = Path::new(env!("CARGO_MANIFEST_DIR")).join("../runtime/core");
+    if checkout.join("Cargo.toml").exists() {
+        let path = relative(folder, &checkout)
+            .ok_or_else(|| format!("no path leads from `{}` to the core", folder.display()))?;
+        return Ok(Core { path, files: Vec::new() });
+    }
+    let mut files = vec![File { path: "handc-core/Cargo.toml".into(), text: MANIFEST.into() }];
+    files.extend(SOURCES.iter().map(|(name, text)| File {
+        path: format!("handc-core/src/{name}.rs"),
+        text: (*text).to_string(),
+    }));
+    Ok(Core { path: "handc-core".into(), files })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SOURCES;
+
+    #[test]
+    fn every_source_of_the_core_is_carried() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../runtime/core/src");
+        let mut found: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+            .collect();
+        found.sort();
+        let carried: Vec<&str> = SOURCES.iter().map(|(name, _)| *name).collect();
+        assert_eq!(found, carried);
+    }
+}
