@@ -17,7 +17,7 @@ pub(crate) const MARGIN: f64 = 8.0;
 /// Height of the title's line.
 pub(crate) const TITLE: f64 = 20.0;
 /// Vertical axis with ticks and label.
-const LEFT: f64 = 41.0;
+const LEFT: f64 = 43.0;
 /// Between panels that share an axis.
 const BETWEEN: f64 = 11.0;
 /// Heading of a panel.

@@ -12,7 +12,7 @@ const WIDE: usize = 3;
 /// Ticks of a vertical axis.
 const TICKS: usize = 7;
 /// Most characters of a tick's label.
-const LONGEST: usize = 6;
+const LONGEST: usize = 5;
 /// Least range of an angle's axis (degrees).
 const LEAST_ANGLE: f64 = 0.2;
 

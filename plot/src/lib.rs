@@ -15,6 +15,7 @@ mod decimate;
 mod font;
 mod group;
 mod legend;
+mod outline;
 mod palette;
 pub mod png;
 pub mod pose;

@@ -40,9 +40,20 @@ impl Solid {
             Solid::Mass(at) => vec![*at],
         }
     }
+    /// Whether it is a rod that is wider than it is long.
+    pub(crate) fn is_wheel(&self) -> bool {
+        match self {
+            Solid::Rod { from, to, radius } => {
+                let length = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
+                length < 2.0 * radius
+            }
+            _ => false,
+        }
+    }
     /// How far it reaches around them (m).
     pub(crate) fn radius(&self) -> f64 {
         match self {
+            Solid::Rod { radius, .. } if self.is_wheel() => *radius,
             Solid::Rod { radius, .. } => BONE * radius,
             Solid::Ball { radius, .. } => *radius,
             _ => 0.0,
@@ -105,25 +116,26 @@ pub(crate) fn instant(time: f64, last: f64) -> String {
     let text = if (value - value.round()).abs() < 1e-6 {
         format!("{value:.0}")
     } else {
-        format!("{value:.2}").trim_end_matches('0').to_string()
+        format!("{value:.2}").trim_end_matches('0').trim_end_matches('.').to_string()
     };
     format!("t = {text} {}", scale.unit)
 }
 
 /// Indices of at most `count` instants on the way from the start to the greatest departure from it,
-/// by equal shares of the way. `departure` tells how far the mechanism is from its start.
+/// by equal shares of way and time. `departure` tells how far the mechanism is from its start.
 pub fn instants(departure: &[f64], count: usize) -> Vec<usize> {
     let largest = departure.iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
     let shares = count.saturating_sub(1).max(1) as f64;
-    let reached = |k: usize| {
-        let share = WHOLE * largest * k as f64 / shares;
-        departure.iter().position(|d| *d >= share).unwrap_or(0)
-    };
+    let last = departure.iter().position(|d| *d >= WHOLE * largest).unwrap_or(0);
     let mut chosen = vec![0];
-    if largest > 0.0 {
-        chosen.extend((1..count).map(reached));
+    let mut farthest = 0.0f64;
+    for i in 1..=if largest > 0.0 { last } else { 0 } {
+        farthest = farthest.max(departure[i]);
+        let share = 0.5 * farthest / (WHOLE * largest) + 0.5 * i as f64 / last as f64;
+        if i == last || share >= chosen.len() as f64 / shares && chosen.len() + 1 < count {
+            chosen.push(i);
+        }
     }
-    chosen.dedup();
     chosen
 }
 
@@ -187,6 +199,7 @@ mod tests {
     #[test]
     fn instants_are_short_texts() {
         assert_eq!(instant(1.25, 4.0), "t = 1.25 s");
+        assert_eq!(instant(2.998, 4.0), "t = 3 s");
         assert_eq!(instant(3.0000000001, 4.0), "t = 3 s");
         assert_eq!(instant(0.002, 0.004), "t = 2 ms");
     }

@@ -3,6 +3,7 @@
 use crate::canvas::{Anchor, Canvas, Color, GREY, Place, Stroke, TextStyle};
 use crate::chart::{MARGIN, TITLE, WIDTH, title};
 use crate::font;
+use crate::outline;
 use crate::palette;
 use crate::pose::{Pose, PoseFigure, Solid, Spot, instant};
 use crate::save::Picture;
@@ -58,9 +59,11 @@ impl Layout {
             }
         }
         if low[0] > high[0] {
-            (low, high) = ([-0.5, -0.5], [0.5, 0.5]);
+            (low, high) = ([0.0; 2], [0.0; 2]);
         }
-        let largest = (high[0] - low[0]).max(high[1] - low[1]).max(1e-12);
+        let largest = (high[0] - low[0]).max(high[1] - low[1]);
+        // A lone point is shown with some space around it.
+        let largest = if largest > 1e-9 { largest } else { 0.1 };
         // A line is given some room, and so is the width of strokes.
         let size = [0, 1].map(|k| (high[k] - low[k]).max(0.15 * largest) + 0.04 * largest);
         let corner = [0, 1].map(|k| {
@@ -170,7 +173,7 @@ fn draw_pose(canvas: &mut dyn Canvas, layout: &Layout, origin: Place, pose: &Pos
     let mut solids: Vec<&Solid> = pose.solids.iter().filter(|s| finite(&s.spots())).collect();
     solids.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
     for solid in solids {
-        draw_solid(canvas, solid, &place, layout.scale);
+        draw_solid(canvas, solid, &place, layout);
     }
     for (path, color) in pose.strands.iter().zip(&layout.colors).filter(|(path, _)| finite(path)) {
         let points: Vec<Place> = path.iter().map(|spot| place(*spot)).collect();
@@ -189,11 +192,21 @@ fn draw_pose(canvas: &mut dyn Canvas, layout: &Layout, origin: Place, pose: &Pos
     }
 }
 
-fn draw_solid(canvas: &mut dyn Canvas, solid: &Solid, place: &impl Fn(Spot) -> Place, scale: f64) {
+fn draw_solid(
+    canvas: &mut dyn Canvas,
+    solid: &Solid,
+    place: &impl Fn(Spot) -> Place,
+    layout: &Layout,
+) {
+    let scale = layout.scale;
     match solid {
+        Solid::Rod { from, to, radius } if solid.is_wheel() => {
+            let rim = outline::wheel(*from, *to, *radius).into_iter().map(place).collect();
+            canvas.polygon(&outline::hull(rim), FILL, Some(&EDGE));
+        }
         Solid::Rod { from, to, .. } => {
             let radius = (solid.radius() * scale).max(1.0);
-            canvas.polygon(&capsule(place(*from), place(*to), radius), FILL, Some(&EDGE));
+            canvas.polygon(&outline::capsule(place(*from), place(*to), radius), FILL, Some(&EDGE));
         }
         Solid::Ball { center, .. } => {
             let radius = (solid.radius() * scale).max(1.0);
@@ -208,19 +221,6 @@ fn draw_solid(canvas: &mut dyn Canvas, solid: &Solid, place: &impl Fn(Spot) -> P
         }
         Solid::Mass(at) => canvas.disc(place(*at), 2.2, [120, 120, 120], None),
     }
-}
-
-/// Outline of a rod with round ends.
-fn capsule(from: Place, to: Place, radius: f64) -> Vec<Place> {
-    let turn = (to[1] - from[1]).atan2(to[0] - from[0]);
-    let arc = |center: Place, start: f64| {
-        (0..=10).map(move |k| {
-            let (s, c) = (start + std::f64::consts::PI * k as f64 / 10.0).sin_cos();
-            [center[0] + radius * c, center[1] + radius * s]
-        })
-    };
-    let quarter = std::f64::consts::FRAC_PI_2;
-    arc(to, turn - quarter).chain(arc(from, turn + quarter)).collect()
 }
 
 /// Axes, a length to compare with, and the strands' names.

@@ -28,15 +28,15 @@ pub(crate) fn dot(a: Spot, b: Spot) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: Spot, b: Spot) -> Spot {
+pub(crate) fn cross(a: Spot, b: Spot) -> Spot {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn minus(a: Spot, b: Spot) -> Spot {
+pub(crate) fn minus(a: Spot, b: Spot) -> Spot {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn unit(a: Spot) -> Option<Spot> {
+pub(crate) fn unit(a: Spot) -> Option<Spot> {
     let norm = dot(a, a).sqrt();
     (norm > 1e-12 && norm.is_finite()).then(|| a.map(|x| x / norm))
 }
