@@ -63,6 +63,29 @@ enum Command {
         /// Name of the model; the file is NAME.hdl
         name: String,
     },
+    /// Draw angles, lengths, tensions and energy over time, and poses of a model, as SVG and PNG
+    Plot {
+        /// A trajectory (.csv) or a model (.hdl), which is run
+        file: PathBuf,
+        /// Folder that imports may not leave [default: the file's]
+        #[arg(long, value_name = "DIR")]
+        root: Option<PathBuf>,
+        /// Figures go to STEM.svg, STEM.png, ... [default: beside the file]
+        #[arg(long, value_name = "STEM")]
+        out: Option<PathBuf>,
+        /// Which scenario of a model
+        #[arg(long, value_name = "S")]
+        scenario: Option<String>,
+        /// Set a parameter of a model (SI units); may be repeated
+        #[arg(long, value_name = "PARAM=VALUE", value_parser = assignment)]
+        set: Vec<(String, f64)>,
+        /// Step instead of the scenario's
+        #[arg(long, value_name = "SECONDS")]
+        step: Option<f64>,
+        /// Duration instead of the scenario's
+        #[arg(long, value_name = "SECONDS")]
+        duration: Option<f64>,
+    },
     /// Print the tree, coordinates, strands, masses and degrees of freedom
     Info {
         #[command(flatten)]
@@ -157,12 +180,9 @@ fn dispatch(command: Command) -> u8 {
         Command::Run { source, run } => {
             command::run::run(&source.file, source.root.as_deref(), &run.options())
         }
-        Command::Compile { source, out, force } => command::compile::compile(
-            &source.file,
-            source.root.as_deref(),
-            out.as_deref(),
-            force,
-        ),
+        Command::Compile { source, out, force } => {
+            command::compile::compile(&source.file, source.root.as_deref(), out.as_deref(), force)
+        }
         Command::Dump { source, stage } => {
             let stage = match stage {
                 DumpStage::Ast => Stage::Ast,
@@ -175,6 +195,10 @@ fn dispatch(command: Command) -> u8 {
         }
         Command::Fmt { files, check } => command::fmt::fmt(&files, check),
         Command::New { name } => command::new::new(&name),
+        Command::Plot { file, root, out, scenario, set, step, duration } => {
+            let settings = Settings { scenario, set, step, duration, start_offset: Vec::new() };
+            command::plot::plot(&command::plot::PlotOptions { file, root, out, settings })
+        }
         Command::Info { source } => command::info::info(&source.file, source.root.as_deref()),
     }
 }
