@@ -5,6 +5,7 @@
 //! integrator and everything around a run live in `handc_core`, which generated crates share.
 
 pub mod analysis;
+pub mod dual;
 pub mod expression;
 pub mod interpreter;
 pub mod mechanics;
