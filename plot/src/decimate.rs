@@ -4,7 +4,7 @@ use crate::canvas::Place;
 use crate::ticks::drawable;
 
 /// Bins per point of paper: finer than a printer's dot matters little, coarser shows.
-const BINS: f64 = 4.0;
+const BINS: f64 = 2.0;
 
 /// First, lowest, highest and last of a bin, as indices.
 #[derive(Clone, Copy)]
@@ -83,7 +83,7 @@ mod tests {
         let value = |i: usize| if i == spike { 50.0 } else { (i as f64 * 0.1).sin() };
         let found = lines(n, 100.0, |i| [i as f64 / n as f64 * 100.0, -value(i)]);
         assert_eq!(found.len(), 1);
-        assert!(found[0].len() <= 1604, "{}", found[0].len());
+        assert!(found[0].len() <= 804, "{}", found[0].len());
         assert!(found[0].iter().any(|p| p[1] == -50.0));
     }
 

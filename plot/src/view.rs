@@ -19,6 +19,8 @@ pub(crate) struct View {
 const TURNS: usize = 48;
 /// Heights of the reader's eye (degrees).
 const ELEVATIONS: [f64; 3] = [14.0, 22.0, 30.0];
+/// Extent across a plane, against the largest, below which a mechanism counts as plane.
+const THIN: f64 = 0.08;
 /// Weight of the motion against the shape.
 const MOTION: f64 = 1.5;
 /// Weight of the distance between bodies on paper against the shape.
@@ -53,7 +55,7 @@ impl View {
         [dot(self.right, spot), dot(self.up, spot)]
     }
 
-    /// The view of a figure: square onto a plane that holds everything, else oblique.
+    /// The view of a figure: square onto a plane that holds nearly everything, else oblique.
     pub(crate) fn choose(figure: &PoseFigure) -> View {
         let spots: Vec<Vec<Spot>> = figure
             .poses
@@ -69,7 +71,7 @@ impl View {
         let largest = extent[0].max(extent[1]).max(extent[2]);
         let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
         let flat = |right, up, near| View { right, up, near, flat: true };
-        let thin = |axis: usize| extent[axis] <= 1e-6 * largest;
+        let thin = |axis: usize| extent[axis] <= THIN * largest;
         if thin(2) {
             return flat(x, y, z);
         } else if thin(1) {
