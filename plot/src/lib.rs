@@ -19,6 +19,7 @@ mod outline;
 mod palette;
 pub mod png;
 pub mod pose;
+mod pose_body;
 mod pose_layout;
 mod save;
 pub mod svg;

@@ -3,12 +3,12 @@
 use crate::canvas::{Anchor, Canvas, Color, GREY, Place, Stroke, TextStyle};
 use crate::chart::{MARGIN, TITLE, WIDTH, title};
 use crate::font;
-use crate::outline;
 use crate::palette;
-use crate::pose::{Pose, PoseFigure, Solid, Spot, instant};
+use crate::pose::{Pose, PoseFigure, Spot, instant};
+use crate::pose_body::draw_pose;
 use crate::save::Picture;
 use crate::unit::Unit;
-use crate::view::{View, dot};
+use crate::view::View;
 
 /// Greatest height of all poses together (pt).
 const HEIGHT: f64 = 350.0;
@@ -23,10 +23,6 @@ const KEY: f64 = 130.0;
 /// Height of a line of names.
 const LEADING: f64 = 9.5;
 const SMALL: f64 = 6.8;
-const FILL: Color = [214, 214, 214];
-const EDGE: Stroke = Stroke::solid([150, 150, 150], 0.5);
-const BALL: Color = [240, 236, 226];
-const BAR: Stroke = Stroke::solid([170, 170, 170], 2.2);
 
 /// Where everything stands.
 struct Layout {
@@ -151,75 +147,13 @@ impl Picture for PoseFigure {
         let last = self.poses.last().map_or(0.0, |pose| pose.time);
         for (k, pose) in self.poses.iter().enumerate() {
             let origin = layout.origin(k);
-            draw_pose(canvas, &layout, origin, pose);
+            let place = |spot: Spot| layout.place(origin, spot);
+            draw_pose(canvas, pose, &place, layout.scale, layout.view.near, &layout.colors);
             let at = [origin[0] + 0.5 * layout.cell[0], origin[1] + layout.cell[1] + 9.0];
             let style = TextStyle::new(7.6).anchor(Anchor::Middle);
             canvas.text(at, &instant(pose.time, last), &style);
         }
         key(canvas, &layout);
-    }
-}
-
-fn draw_pose(canvas: &mut dyn Canvas, layout: &Layout, origin: Place, pose: &Pose) {
-    let place = |spot: Spot| layout.place(origin, spot);
-    let finite = |spots: &[Spot]| spots.iter().flatten().all(|x| x.abs() < 1e30);
-    for bar in pose.bars.iter().filter(|bar| finite(&bar[..])) {
-        canvas.line(&bar.map(place), &BAR);
-    }
-    let depth = |solid: &Solid| {
-        let spots = solid.spots();
-        spots.iter().map(|s| dot(*s, layout.view.near)).sum::<f64>() / spots.len().max(1) as f64
-    };
-    let mut solids: Vec<&Solid> = pose.solids.iter().filter(|s| finite(&s.spots())).collect();
-    solids.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
-    for solid in solids {
-        draw_solid(canvas, solid, &place, layout);
-    }
-    for (path, color) in pose.strands.iter().zip(&layout.colors).filter(|(path, _)| finite(path)) {
-        let points: Vec<Place> = path.iter().map(|spot| place(*spot)).collect();
-        canvas.line(&points, &Stroke::solid(*color, 0.8));
-    }
-    for joint in pose.joints.iter().filter(|joint| finite(&[**joint])) {
-        canvas.disc(place(*joint), 1.3, [255, 255, 255], Some(&Stroke::solid(GREY, 0.5)));
-    }
-    for anchor in pose.anchors.iter().filter(|anchor| finite(&[**anchor])) {
-        let [x, y] = place(*anchor);
-        canvas.polygon(
-            &[[x - 1.0, y - 1.0], [x + 1.0, y - 1.0], [x + 1.0, y + 1.0], [x - 1.0, y + 1.0]],
-            GREY,
-            None,
-        );
-    }
-}
-
-fn draw_solid(
-    canvas: &mut dyn Canvas,
-    solid: &Solid,
-    place: &impl Fn(Spot) -> Place,
-    layout: &Layout,
-) {
-    let scale = layout.scale;
-    match solid {
-        Solid::Rod { from, to, radius } if solid.is_wheel() => {
-            let rim = outline::wheel(*from, *to, *radius).into_iter().map(place).collect();
-            canvas.polygon(&outline::hull(rim), FILL, Some(&EDGE));
-        }
-        Solid::Rod { from, to, .. } => {
-            let radius = (solid.radius() * scale).max(1.0);
-            canvas.polygon(&outline::capsule(place(*from), place(*to), radius), FILL, Some(&EDGE));
-        }
-        Solid::Ball { center, .. } => {
-            let radius = (solid.radius() * scale).max(1.0);
-            canvas.disc(place(*center), radius, BALL, Some(&EDGE));
-        }
-        Solid::Block(corners) => {
-            for (i, j) in (0..8usize).flat_map(|i| [1, 2, 4].map(|bit| (i, i | bit))) {
-                if i != j {
-                    canvas.line(&[place(corners[i]), place(corners[j])], &EDGE);
-                }
-            }
-        }
-        Solid::Mass(at) => canvas.disc(place(*at), 2.2, [120, 120, 120], None),
     }
 }
 

@@ -23,11 +23,14 @@ fn drawn(name: &str) -> bool {
 /// Reads a table. The message of an error names line and column.
 pub fn read(mut input: impl BufRead) -> Result<Table, String> {
     let mut line = String::new();
-    let mut next = |line: &mut String| {
+    let mut next = |line: &mut String, number: usize| {
         line.clear();
-        input.read_line(line).map_err(|error| error.to_string())
+        input.read_line(line).map_err(|error| match error.kind() {
+            std::io::ErrorKind::InvalidData => format!("line {number}: this is not text"),
+            _ => error.to_string(),
+        })
     };
-    if next(&mut line)? == 0 {
+    if next(&mut line, 1)? == 0 {
         return Err("the file is empty".into());
     }
     let header: Vec<String> =
@@ -41,7 +44,7 @@ pub fn read(mut input: impl BufRead) -> Result<Table, String> {
     let kept: Vec<bool> = header.iter().map(|name| drawn(name)).collect();
     let mut columns = vec![Vec::new(); kept.iter().filter(|k| **k).count()];
     let mut number = 1;
-    while next(&mut line)? > 0 {
+    while next(&mut line, number + 1)? > 0 {
         number += 1;
         if line.trim().is_empty() {
             continue;
@@ -165,6 +168,7 @@ mod tests {
             "line 3: column `t`: the time goes back from 0 to -1"
         );
         assert_eq!(message("t,a\nNaN,1\n"), "line 2: column `t`: the time is `NaN`");
-        assert!(read(&b"t,a\n\xff\xfe,1\n"[..]).is_err());
+        let message = read(&b"t,a\n\xff\xfe,1\n"[..]).expect_err("must be refused");
+        assert_eq!(message, "line 2: this is not text");
     }
 }

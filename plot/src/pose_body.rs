@@ -1,0 +1,76 @@
+//! Drawing one pose: bodies from far to near, then strands, joints and points of the world.
+
+use crate::canvas::{Canvas, Color, GREY, Place, Stroke};
+use crate::outline;
+use crate::pose::{Pose, Solid, Spot};
+use crate::view::dot;
+
+const FILL: Color = [214, 214, 214];
+const EDGE: Stroke = Stroke::solid([150, 150, 150], 0.5);
+const BALL: Color = [240, 236, 226];
+const BAR: Stroke = Stroke::solid([170, 170, 170], 2.2);
+
+/// Draws a pose. `place` takes space to paper, with `scale` points per metre, and `near` points to
+/// the reader.
+pub(crate) fn draw_pose(
+    canvas: &mut dyn Canvas,
+    pose: &Pose,
+    place: &impl Fn(Spot) -> Place,
+    scale: f64,
+    near: Spot,
+    colors: &[Color],
+) {
+    let finite = |spots: &[Spot]| spots.iter().flatten().all(|x| x.abs() < 1e30);
+    for bar in pose.bars.iter().filter(|bar| finite(&bar[..])) {
+        canvas.line(&bar.map(place), &BAR);
+    }
+    let depth = |solid: &Solid| {
+        let spots = solid.spots();
+        spots.iter().map(|s| dot(*s, near)).sum::<f64>() / spots.len().max(1) as f64
+    };
+    let mut solids: Vec<&Solid> = pose.solids.iter().filter(|s| finite(&s.spots())).collect();
+    solids.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
+    for solid in solids {
+        draw_solid(canvas, solid, place, scale);
+    }
+    for (path, color) in pose.strands.iter().zip(colors).filter(|(path, _)| finite(path)) {
+        let points: Vec<Place> = path.iter().map(|spot| place(*spot)).collect();
+        canvas.line(&points, &Stroke::solid(*color, 0.8));
+    }
+    for joint in pose.joints.iter().filter(|joint| finite(&[**joint])) {
+        canvas.disc(place(*joint), 1.3, [255, 255, 255], Some(&Stroke::solid(GREY, 0.5)));
+    }
+    for anchor in pose.anchors.iter().filter(|anchor| finite(&[**anchor])) {
+        let [x, y] = place(*anchor);
+        canvas.polygon(
+            &[[x - 1.0, y - 1.0], [x + 1.0, y - 1.0], [x + 1.0, y + 1.0], [x - 1.0, y + 1.0]],
+            GREY,
+            None,
+        );
+    }
+}
+
+fn draw_solid(canvas: &mut dyn Canvas, solid: &Solid, place: &impl Fn(Spot) -> Place, scale: f64) {
+    match solid {
+        Solid::Rod { from, to, radius } if solid.is_wheel() => {
+            let rim = outline::wheel(*from, *to, *radius).into_iter().map(place).collect();
+            canvas.polygon(&outline::hull(rim), FILL, Some(&EDGE));
+        }
+        Solid::Rod { from, to, .. } => {
+            let radius = (solid.radius() * scale).max(1.0);
+            canvas.polygon(&outline::capsule(place(*from), place(*to), radius), FILL, Some(&EDGE));
+        }
+        Solid::Ball { center, .. } => {
+            let radius = (solid.radius() * scale).max(1.0);
+            canvas.disc(place(*center), radius, BALL, Some(&EDGE));
+        }
+        Solid::Block(corners) => {
+            for (i, j) in (0..8usize).flat_map(|i| [1, 2, 4].map(|bit| (i, i | bit))) {
+                if i != j {
+                    canvas.line(&[place(corners[i]), place(corners[j])], &EDGE);
+                }
+            }
+        }
+        Solid::Mass(at) => canvas.disc(place(*at), 2.2, [120, 120, 120], None),
+    }
+}
