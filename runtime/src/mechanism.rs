@@ -199,7 +199,8 @@ pub struct Strand {
 
 /// The form of a constraint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs)]
+// A model has few constraints; a box would only hide the numbers of a weld.
+#[allow(missing_docs, clippy::large_enum_variant)]
 pub enum ConstraintKind {
     /// p₁ − p₂ in world axes, one row per axis that is true.
     Coincident { first: Point, second: Point, axes: [bool; 3] },

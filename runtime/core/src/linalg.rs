@@ -23,6 +23,21 @@ impl Pivots {
 /// Factors the n×n matrix in place as P A = L U. `order[i]` is the original row of row i.
 /// Returns the range of pivots; the factors are useless if the smallest is zero or not finite.
 pub fn lu_factor(a: &mut [f64], n: usize, order: &mut [usize], scale: &mut [f64]) -> Pivots {
+    // A size known to the compiler unrolls the loops; a finger's four unknowns cost half as much.
+    match n {
+        1 => factor(a, 1, order, scale),
+        2 => factor(a, 2, order, scale),
+        3 => factor(a, 3, order, scale),
+        4 => factor(a, 4, order, scale),
+        5 => factor(a, 5, order, scale),
+        6 => factor(a, 6, order, scale),
+        _ => factor(a, n, order, scale),
+    }
+}
+
+#[inline(always)]
+fn factor(a: &mut [f64], n: usize, order: &mut [usize], scale: &mut [f64]) -> Pivots {
+    let (a, order, scale) = (&mut a[..n * n], &mut order[..n], &mut scale[..n]);
     let mut pivots = Pivots { smallest: f64::INFINITY, largest: 0.0 };
     for i in 0..n {
         order[i] = i;
@@ -69,6 +84,21 @@ pub fn lu_factor(a: &mut [f64], n: usize, order: &mut [usize], scale: &mut [f64]
 /// Solves with the factors of [`lu_factor`]: `x` holds the right-hand side of the original rows and
 /// receives the solution.
 pub fn lu_solve(a: &[f64], n: usize, order: &[usize], x: &mut [f64], scratch: &mut [f64]) {
+    match n {
+        1 => substitute(a, 1, order, x, scratch),
+        2 => substitute(a, 2, order, x, scratch),
+        3 => substitute(a, 3, order, x, scratch),
+        4 => substitute(a, 4, order, x, scratch),
+        5 => substitute(a, 5, order, x, scratch),
+        6 => substitute(a, 6, order, x, scratch),
+        _ => substitute(a, n, order, x, scratch),
+    }
+}
+
+#[inline(always)]
+fn substitute(a: &[f64], n: usize, order: &[usize], x: &mut [f64], scratch: &mut [f64]) {
+    let (a, order) = (&a[..n * n], &order[..n]);
+    let (x, scratch) = (&mut x[..n], &mut scratch[..n]);
     for i in 0..n {
         let mut sum = x[order[i]];
         for j in 0..i {

@@ -90,6 +90,7 @@ pub struct Stepper {
     g1: Vec<f64>,
     gap: Vec<f64>,
     residual: Vec<f64>,
+    size: Vec<f64>,
     scale: Vec<f64>,
     row_scale: Vec<f64>,
     newton: Vec<f64>,
@@ -140,6 +141,7 @@ impl Stepper {
             g1: vec![0.0; layout.constraint_size()],
             gap: vec![0.0; m],
             residual: vec![0.0; n],
+            size: vec![0.0; n],
             scale: vec![0.0; n],
             row_scale: vec![0.0; m],
             newton: vec![0.0; n],
@@ -206,8 +208,8 @@ impl Stepper {
         around: &Surroundings,
     ) -> Attempt {
         self.evaluate(model, state, around, true);
-        self.set_scales(state);
-        let mut merit = self.merit(state, around);
+        self.set_scales(state, around);
+        let mut merit = self.merit();
         if !merit.is_finite() {
             return Attempt::NotFinite;
         }
@@ -222,8 +224,8 @@ impl Stepper {
             if !keep {
                 if iteration > 0 {
                     self.evaluate(model, state, around, true);
-                    self.set_scales(state);
-                    merit = self.merit(state, around);
+                    self.set_scales(state, around);
+                    merit = self.merit();
                 }
                 if let Err(coordinate) = self.factor() {
                     return Attempt::Singular(coordinate);
@@ -241,7 +243,7 @@ impl Stepper {
             loop {
                 self.move_by(fraction);
                 self.evaluate(model, state, around, false);
-                let next = self.merit(state, around);
+                let next = self.merit();
                 if next <= 1.0 || next < merit * (1.0 - 1e-4 * fraction) {
                     merit = next;
                     break;
@@ -298,38 +300,39 @@ impl Stepper {
                 model.constraint_jacobian(&self.q1, around.t1, &mut self.g1);
             }
         }
-        for block in &self.blocks {
-            for (i, &c) in block.coordinates.iter().enumerate() {
-                let mut r = state.p[c] + 0.5 * h * self.force[c] - self.momentum[c];
-                for (row, &global) in block.rows.iter().enumerate() {
-                    r -= block.constraint_entry(&self.g0, row, i) * self.lambda[global];
+        for c in 0..self.residual.len() {
+            self.residual[c] = state.p[c] + 0.5 * h * self.force[c] - self.momentum[c];
+        }
+        for block in self.blocks.iter().filter(|block| !block.rows.is_empty()) {
+            for (row, &global) in block.rows.iter().enumerate() {
+                let lambda = self.lambda[global];
+                for (i, &c) in block.coordinates.iter().enumerate() {
+                    self.residual[c] -= block.constraint_entry(&self.g0, row, i) * lambda;
                 }
-                self.residual[c] = r;
             }
         }
     }
 
-    /// What one unit of rounding in the coordinates does to each equation.
-    fn set_scales(&mut self, state: &State) {
+    /// Tolerance of each equation: what rounding of the coordinates does to it, or what is asked
+    /// for relative to its momenta, whichever is larger.
+    fn set_scales(&mut self, state: &State, around: &Surroundings) {
+        for c in 0..self.size.len() {
+            self.size[c] = state.q[c].abs().max(self.floor_scale[c]);
+            let impulse = 0.5 * around.h * self.force[c];
+            let asked = state.p[c].abs() + self.momentum[c].abs() + impulse.abs();
+            self.scale[c] = (FLOOR * state.p[c].abs()).max(self.tolerance * asked);
+        }
         for block in &self.blocks {
-            let size = |c: usize| state.q[c].abs().max(self.floor_scale[c]);
             for (i, &c) in block.coordinates.iter().enumerate() {
                 let entries = block.matrix_row(&self.matrix, i);
-                let row: f64 = block
-                    .coordinates
-                    .iter()
-                    .enumerate()
-                    .map(|(k, &other)| entries[block.position(k)].abs() * size(other))
-                    .sum();
-                let pull: f64 = block
-                    .rows
-                    .iter()
-                    .enumerate()
-                    .map(|(k, &row)| {
-                        (block.constraint_entry(&self.g0, k, i) * self.lambda[row]).abs()
-                    })
-                    .sum();
-                self.scale[c] = FLOOR * (row + pull + state.p[c].abs());
+                let mut row = 0.0;
+                for (k, &other) in block.coordinates.iter().enumerate() {
+                    row += entries[block.position(k)].abs() * self.size[other];
+                }
+                for (k, &global) in block.rows.iter().enumerate() {
+                    row += (block.constraint_entry(&self.g0, k, i) * self.lambda[global]).abs();
+                }
+                self.scale[c] = self.scale[c].max(FLOOR * row);
             }
             for (k, &row) in block.rows.iter().enumerate() {
                 self.row_scale[row] = FLOOR
@@ -337,14 +340,16 @@ impl Stepper {
                         .coordinates
                         .iter()
                         .enumerate()
-                        .map(|(i, &c)| block.constraint_entry(&self.g1, k, i).abs() * size(c))
+                        .map(|(i, &c)| {
+                            block.constraint_entry(&self.g1, k, i).abs() * self.size[c]
+                        })
                         .sum::<f64>();
             }
         }
     }
 
     /// Largest residual in units of its tolerance; NaN where any is not a number.
-    fn merit(&self, state: &State, around: &Surroundings) -> f64 {
+    fn merit(&self) -> f64 {
         let mut worst = 0.0;
         // Once not a number, always not a number.
         let mut keep = |ratio: f64| {
@@ -354,21 +359,13 @@ impl Stepper {
         };
         for block in &self.blocks {
             for &c in &block.coordinates {
-                let (r, size) = self.equation(c, state, around);
-                keep(ratio(r, size));
+                keep(ratio(self.residual[c], self.scale[c]));
             }
             for &row in &block.rows {
                 keep(ratio(self.gap[row], self.row_scale[row]));
             }
         }
         worst
-    }
-
-    /// Residual of a coordinate's equation and its tolerance.
-    fn equation(&self, c: usize, state: &State, around: &Surroundings) -> (f64, f64) {
-        let impulse = 0.5 * around.h * self.force[c];
-        let asked = self.tolerance * (state.p[c].abs() + self.momentum[c].abs() + impulse.abs());
-        (self.residual[c].abs(), self.scale[c].max(asked))
     }
 
     fn factor(&mut self) -> Result<(), usize> {
@@ -468,15 +465,14 @@ impl Stepper {
         // Evaluate where the step began, so that the numbers reported are the model's own.
         self.guess(2, state, around);
         self.evaluate(model, state, around, true);
-        self.set_scales(state);
+        self.set_scales(state, around);
         let layout = model.layout();
         let mut worst = (0.0, String::from("none"), 0.0);
         for block in &self.blocks {
             for &c in &block.coordinates {
-                let (r, size) = self.equation(c, state, around);
-                let found = ratio(r, size);
+                let found = ratio(self.residual[c], self.scale[c]);
                 if !(found <= worst.0) {
-                    worst = (found, layout.coordinates[c].name.clone(), r);
+                    worst = (found, layout.coordinates[c].name.clone(), self.residual[c]);
                 }
             }
             for &row in &block.rows {

@@ -195,13 +195,13 @@ impl<S: Scalar> Mechanics<'_, S> {
                     p += joint.origin;
                 }
                 PathStep::Down(_) => {
-                    p = p - joint.origin;
+                    p -= joint.origin;
                     if let Some(rotation) = joint.rotation {
                         p = rotation.transpose_mul(p);
                         self.turn_all(&mut crossings[start..], |v| rotation.transpose_mul(v));
                     }
                     if let Some(slide) = slide {
-                        p = p - slide;
+                        p -= slide;
                     }
                     p = turn(p, -s);
                     self.turn_all(&mut crossings[start..], |v| turn(v, -s));
