@@ -1,0 +1,289 @@
+//! The mechanics against dual numbers, to 1e-12 of each matrix's scale: momentum and force against a
+//! Lagrangian made from poses alone, the Newton matrix against the residual's derivative, mass
+//! matrix, moment arms and constraint Jacobian likewise; and that the choice of hub changes nothing.
+
+#[path = "support/oracle.rs"]
+mod oracle;
+
+use handc_core::scalar::Scalar;
+use handc_runtime::dual::Dual;
+use handc_runtime::mechanics::At;
+use handc_runtime::mechanism::{Mechanism, Number};
+use handc_tests::load;
+use oracle::{Oracle, fixed, seeded};
+
+const TOLERANCE: f64 = 1e-12;
+
+/// All mechanisms that are tested: models, fixtures, and those made for it.
+fn mechanisms() -> Vec<Mechanism> {
+    let folders = ["models", "tests/fixtures", "tests/mechanisms"];
+    let files: Vec<_> = folders.iter().flat_map(|folder| load::models(folder)).collect();
+    assert!(files.len() >= 20);
+    files.iter().filter_map(|file| load::mechanism(file).ok()).collect()
+}
+
+/// Numbers evenly spread over −1 … 1, always the same.
+struct Noise(u64);
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A midpoint near the start, with strands pulled and everything moving.
+struct Place {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    rest: Vec<f64>,
+    inputs: Vec<f64>,
+}
+
+impl Place {
+    fn new(oracle: &Oracle, noise: &mut Noise) -> Place {
+        let numbers = oracle.numbers::<f64>();
+        let spread: Vec<f64> = oracle
+            .mechanism
+            .coordinates
+            .iter()
+            .map(|c| if c.is_length { 0.03 } else { 0.4 })
+            .collect();
+        let start = |n: Number| numbers.number(n);
+        let coordinates = oracle.mechanism.coordinates.iter().zip(&spread);
+        let q: Vec<f64> = coordinates.map(|(c, s)| start(c.start) + s * noise.next()).collect();
+        let v = spread.iter().map(|s| 5.0 * s * noise.next()).collect();
+        let rest = oracle.lengths(&q).iter().map(|x| x * (0.9 + 0.1 * noise.next())).collect();
+        let inputs = oracle.mechanism.inputs.iter().map(|_| noise.next()).collect();
+        Place { q, v, rest, inputs }
+    }
+    fn at(&self) -> At<'_, f64> {
+        At { q: &self.q, v: &self.v, t: 0.3, rest: &self.rest, inputs: &self.inputs }
+    }
+}
+
+/// Momentum and force of the kernels over any scalar.
+fn evaluate<S: Scalar>(oracle: &Oracle, at: &At<S>) -> (Vec<S>, Vec<S>) {
+    let n = at.q.len();
+    let (mut momentum, mut force) = (vec![S::zero(); n], vec![S::zero(); n]);
+    oracle.kernels(|mechanics, workspace| {
+        mechanics.evaluate(workspace, at, &mut momentum, &mut force, None);
+    });
+    (momentum, force)
+}
+
+/// Momentum and force where coordinates and rates are dual numbers.
+fn evaluate_dual(
+    oracle: &Oracle,
+    q: &[Dual<f64>],
+    v: &[Dual<f64>],
+    place: &Place,
+) -> (Vec<Dual<f64>>, Vec<Dual<f64>>) {
+    let (rest, inputs) = (fixed(&place.rest), fixed(&place.inputs));
+    evaluate(oracle, &At { q, v, t: Dual::constant(0.3), rest: &rest, inputs: &inputs })
+}
+
+fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values.into_iter().fold(0.0, |a: f64, x| a.max(x.abs()))
+}
+
+/// Checks two lists against each other; returns the largest difference in parts of the scale.
+fn compare(what: &str, name: &str, found: &[f64], expected: &[f64]) -> f64 {
+    let scale = largest(expected);
+    let difference = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+    let worst = difference.fold(0.0, |a: f64, d| if d <= a { a } else { d });
+    let relative = if worst == 0.0 { 0.0 } else { worst / scale };
+    assert!(relative <= TOLERANCE, "{name}: {what} is off by {relative:.2e} of {scale:.2e}");
+    relative
+}
+
+/// Runs a check at three places of every mechanism; `check` returns the relative difference.
+fn everywhere(what: &str, check: impl Fn(&Oracle, &Place) -> f64) {
+    let mut worst = (0.0, String::new());
+    for mechanism in mechanisms() {
+        let oracle = Oracle::new(&mechanism);
+        let mut noise = Noise(7);
+        for _ in 0..3 {
+            let found = check(&oracle, &Place::new(&oracle, &mut noise));
+            if found >= worst.0 {
+                worst = (found, mechanism.name.clone());
+            }
+        }
+    }
+    eprintln!("{what}: at most {:.1e} of the scale ({})", worst.0, worst.1);
+}
+
+#[test]
+fn momentum_and_force_are_those_of_the_lagrangian() {
+    everywhere("momentum and force", |oracle, place| {
+        let name = &oracle.mechanism.name;
+        let (momentum, force) = evaluate(oracle, &place.at());
+        let (p, f) = oracle.evaluate(&place.at());
+        let potential = oracle
+            .kernels(|mechanics, workspace| mechanics.potential(workspace, &place.q, &place.rest));
+        compare("momentum", name, &momentum, &p).max(compare("force", name, &force, &f)).max(
+            compare("potential", name, &[potential], &[oracle.potential(&place.q, &place.rest)]),
+        )
+    });
+}
+
+/// The Newton matrix for a step: small, where M/h rules; large, where stiffness does.
+#[test]
+fn newton_matrix() {
+    everywhere("Newton matrix", |oracle, place| {
+        let (structure, n) = (&oracle.structure, place.q.len());
+        let size = structure.blocks.iter().map(|b| b.coordinates.len().pow(2)).sum();
+        let mut worst: f64 = 0.0;
+        for h in [1e-3, 0.05, 3.0] {
+            let mut matrix = vec![0.0; size];
+            let (mut p, mut f) = (vec![0.0; n], vec![0.0; n]);
+            oracle.kernels(|mechanics, workspace| {
+                let matrix = Some((h, matrix.as_mut_slice()));
+                mechanics.evaluate(workspace, &place.at(), &mut p, &mut f, matrix);
+            });
+            let free: Vec<usize> = (0..n).filter(|&i| structure.slots[i].is_some()).collect();
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            for &j in &free {
+                let (mut q, mut v) = (fixed(&place.q), fixed(&place.v));
+                (q[j].slope, v[j].slope) = (0.5, 1.0 / h);
+                let (momentum, force) = evaluate_dual(oracle, &q, &v, place);
+                for &i in &free {
+                    found.push(structure.slot(i, j).map_or(0.0, |slot| matrix[slot]));
+                    expected.push(0.5 * h * force[i].slope - momentum[i].slope);
+                }
+            }
+            let what = format!("Newton matrix at h = {h}");
+            worst = worst.max(compare(&what, &oracle.mechanism.name, &found, &expected));
+        }
+        worst
+    });
+}
+
+#[test]
+fn mass_matrix() {
+    everywhere("mass matrix", |oracle, place| {
+        let (structure, n) = (&oracle.structure, place.q.len());
+        let size = structure.blocks.iter().map(|b| b.coordinates.len().pow(2)).sum();
+        let mut matrix = vec![0.0; size];
+        oracle.kernels(|mechanics, workspace| {
+            mechanics.mass_matrix(workspace, &place.q, &mut matrix);
+        });
+        let free: Vec<usize> = (0..n).filter(|&i| structure.slots[i].is_some()).collect();
+        let (mut found, mut expected) = (Vec::new(), Vec::new());
+        for &j in &free {
+            let (momentum, _) =
+                evaluate_dual(oracle, &fixed(&place.q), &seeded(&place.v, j), place);
+            for &i in &free {
+                found.push(structure.slot(i, j).map_or(0.0, |slot| matrix[slot]));
+                expected.push(momentum[i].slope);
+            }
+        }
+        compare("mass matrix", &oracle.mechanism.name, &found, &expected)
+    });
+}
+
+#[test]
+fn strand_lengths_and_moment_arms() {
+    everywhere("lengths and moment arms", |oracle, place| {
+        let (n, s, name) = (place.q.len(), oracle.mechanism.strands.len(), &oracle.mechanism.name);
+        let (mut lengths, mut arms) = (vec![0.0; s], vec![0.0; s * n]);
+        oracle.kernels(|mechanics, workspace| {
+            mechanics.strand_lengths(workspace, &place.q, &mut lengths);
+            mechanics.moment_arms(workspace, &place.q, &mut arms);
+        });
+        let mut expected = vec![0.0; s * n];
+        for j in 0..n {
+            for (i, length) in oracle.lengths(&seeded(&place.q, j)).iter().enumerate() {
+                expected[i * n + j] = length.slope;
+            }
+        }
+        compare("lengths", name, &lengths, &oracle.lengths(&place.q)).max(compare(
+            "moment arms",
+            name,
+            &arms,
+            &expected,
+        ))
+    });
+}
+
+#[test]
+fn constraint_jacobian() {
+    everywhere("constraint Jacobian", |oracle, place| {
+        let (structure, n) = (&oracle.structure, place.q.len());
+        let rows = structure.row_slots.len();
+        let size = structure.blocks.iter().map(|b| b.coordinates.len() * b.rows.len()).sum();
+        let mut jacobian = vec![0.0; size];
+        oracle.kernels(|mechanics, workspace| {
+            mechanics.constraint_jacobian(workspace, &place.q, 0.3, &mut jacobian);
+        });
+        let (mut found, mut expected) = (Vec::new(), Vec::new());
+        for j in (0..n).filter(|&j| structure.slots[j].is_some()) {
+            let mut values = vec![Dual::zero(); rows];
+            oracle.kernels(|mechanics, workspace| {
+                let q = seeded(&place.q, j);
+                mechanics.constraints(workspace, &q, Dual::constant(0.3), &mut values);
+            });
+            for (row, value) in values.iter().enumerate() {
+                found.push(structure.row_slot(row, j).map_or(0.0, |slot| jacobian[slot]));
+                expected.push(value.slope);
+            }
+        }
+        compare("constraint Jacobian", &oracle.mechanism.name, &found, &expected)
+    });
+}
+
+/// Momenta are summed about a hub chosen for speed: any other link, and the world, give the same.
+#[test]
+fn the_hub_does_not_matter() {
+    everywhere("other hubs", |oracle, place| {
+        let (momentum, force) = evaluate(oracle, &place.at());
+        let mut other = Oracle::new(oracle.mechanism);
+        let mut worst: f64 = 0.0;
+        for tree in 0..other.structure.trees.len() {
+            let links = other.structure.trees[tree].links.clone();
+            for hub in links.into_iter().map(Some).chain([None]) {
+                let mut trunk = other.structure.chain(hub);
+                trunk.reverse();
+                (other.structure.trees[tree].hub, other.structure.trees[tree].trunk) = (hub, trunk);
+                let (p, f) = evaluate(&other, &place.at());
+                let name = &oracle.mechanism.name;
+                worst = worst.max(compare("momentum", name, &p, &momentum));
+                worst = worst.max(compare("force", name, &f, &force));
+            }
+        }
+        worst
+    });
+}
+
+/// A base far away: momentum and force stay, up to the rounding of the far coordinates.
+#[test]
+fn the_place_of_the_base_does_not_matter() {
+    let mut worst: f64 = 0.0;
+    for name in ["joints", "strands"] {
+        let near =
+            load::mechanism(&load::repository("tests/mechanisms").join(format!("{name}.hdl")))
+                .unwrap();
+        let mut far = near.clone();
+        let moved = |position: &mut [Number; 3]| {
+            for (x, shift) in position.iter_mut().zip([512.0, -1024.0, 256.0]) {
+                if let Number::Constant(value) = x {
+                    *value += shift;
+                }
+            }
+        };
+        for link in far.links.iter_mut().filter(|link| link.parent.is_none()) {
+            moved(&mut link.parent_from_joint.translation);
+        }
+        let points = far.strands.iter_mut().flat_map(|s| &mut s.points);
+        points.filter(|p| p.link.is_none()).for_each(|p| moved(&mut p.position));
+        let (near, far) = (Oracle::new(&near), Oracle::new(&far));
+        let place = Place::new(&near, &mut Noise(3));
+        let (p, f) = evaluate(&near, &place.at());
+        let (p_far, f_far) = evaluate(&far, &place.at());
+        for (a, b) in [(p, p_far), (f, f_far)] {
+            let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+            worst = worst.max(largest(&difference) / largest(&a));
+        }
+    }
+    eprintln!("a base 1 km away: {worst:.1e}");
+    assert!(worst < 1e-11);
+}

@@ -1,0 +1,186 @@
+//! A second way to the mechanics: the Lagrangian from the poses of bodies and points, differentiated
+//! by dual numbers.
+//!
+//! Shares with the kernels the poses of links and nothing else: no screws, no lumped bodies, no
+//! hubs, no segments. Slow and plain.
+
+use handc_core::scalar::Scalar;
+use handc_runtime::dual::Dual;
+use handc_runtime::expression::{Function, Variable};
+use handc_runtime::mechanics::{At, Mechanics, Workspace};
+use handc_runtime::mechanism::{Mechanism, Point};
+use handc_runtime::resolved::Resolved;
+use handc_runtime::structure::Structure;
+use handc_runtime::vector::{Transform, Vec3};
+
+/// A mechanism with its default parameters.
+#[derive(Debug)]
+pub(crate) struct Oracle<'a> {
+    /// Constant data.
+    pub(crate) mechanism: &'a Mechanism,
+    /// Its shape.
+    pub(crate) structure: Structure,
+}
+
+impl<'a> Oracle<'a> {
+    /// Analyses a mechanism.
+    pub(crate) fn new(mechanism: &'a Mechanism) -> Self {
+        Oracle { mechanism, structure: Structure::new(mechanism) }
+    }
+
+    /// Numbers over any scalar.
+    pub(crate) fn numbers<S: Scalar>(&self) -> Resolved<S> {
+        let params: Vec<S> = self.mechanism.params.iter().map(|p| S::constant(p.default)).collect();
+        Resolved::new(self.mechanism, &params)
+    }
+
+    /// Calls `f` with the kernels over the scalar S.
+    pub(crate) fn kernels<S: Scalar, R>(
+        &self,
+        f: impl FnOnce(&Mechanics<S>, &mut Workspace<S>) -> R,
+    ) -> R {
+        let numbers = self.numbers();
+        let (mechanism, structure) = (self.mechanism, &self.structure);
+        f(&Mechanics { mechanism, structure, numbers: &numbers }, &mut Workspace::new(structure))
+    }
+
+    fn poses<S: Scalar>(&self, q: &[S]) -> Vec<Transform<S>> {
+        self.kernels(|mechanics, workspace| mechanics.link_poses(workspace, q))
+    }
+
+    fn place<S: Scalar>(poses: &[Transform<S>], numbers: &Resolved<S>, point: &Point) -> Vec3<S> {
+        let position = numbers.vector(&point.position);
+        point.link.map_or(position, |link| poses[link as usize].point(position))
+    }
+
+    /// Kinetic energy: each body by the rates of its centre and of its axes.
+    pub(crate) fn kinetic<S: Scalar>(&self, q: &[S], v: &[S]) -> S {
+        let moving: Vec<Dual<S>> =
+            q.iter().zip(v).map(|(&value, &slope)| Dual { value, slope }).collect();
+        let poses = self.poses(&moving);
+        let numbers: Resolved<Dual<S>> = self.numbers();
+        let mut energy = S::zero();
+        for body in &self.mechanism.bodies {
+            let Some(link) = body.link else { continue };
+            let pose = &poses[link as usize];
+            let rate = Vec3(pose.point(numbers.vector(&body.center)).0.map(|x| x.slope));
+            let mass = numbers.number(body.mass).value;
+            energy += (mass * rate.norm_squared()).scale(0.5);
+            // ½ tr(Ṙ J Ṙᵀ) with J = ½ tr(I) E − I.
+            let [xx, yy, zz, xy, xz, yz] = body.inertia.map(|i| numbers.number(i).value);
+            let half = (xx + yy + zz).scale(0.5);
+            let rows = [[half - xx, -xy, -xz], [-xy, half - yy, -yz], [-xz, -yz, half - zz]];
+            for row in pose.rotation.0 {
+                let rate = Vec3(row.map(|x| x.slope));
+                let turned = Vec3(rows.map(|row| Vec3(row).dot(rate)));
+                energy += rate.dot(turned).scale(0.5);
+            }
+        }
+        energy
+    }
+
+    /// Lengths of the strands, point to point in the world.
+    pub(crate) fn lengths<S: Scalar>(&self, q: &[S]) -> Vec<S> {
+        let (poses, numbers) = (self.poses(q), self.numbers());
+        let length = |points: &[Point]| {
+            let mut sum = S::zero();
+            for pair in points.windows(2) {
+                let [a, b] = [0, 1].map(|i| Self::place(&poses, &numbers, &pair[i]));
+                sum += (b - a).norm_squared().sqrt();
+            }
+            sum
+        };
+        self.mechanism.strands.iter().map(|strand| length(&strand.points)).collect()
+    }
+
+    /// Potential energy: gravity, strands, springs, elastic limits.
+    pub(crate) fn potential<S: Scalar>(&self, q: &[S], rest: &[S]) -> S {
+        let (poses, numbers): (_, Resolved<S>) = (self.poses(q), self.numbers());
+        let mut energy = S::zero();
+        let spring = |k: S, x: S| (k * x * x).scale(0.5);
+        let gravity = numbers.vector(&self.mechanism.gravity);
+        for body in &self.mechanism.bodies {
+            let center =
+                Self::place(&poses, &numbers, &Point { link: body.link, position: body.center });
+            energy -= numbers.number(body.mass) * gravity.dot(center);
+        }
+        for (i, (strand, length)) in self.mechanism.strands.iter().zip(self.lengths(q)).enumerate()
+        {
+            energy += spring(numbers.number(strand.stiffness), length - rest[i]);
+        }
+        for (c, &q) in self.mechanism.coordinates.iter().zip(q) {
+            energy += spring(numbers.number(c.stiffness), q - numbers.number(c.rest));
+            if let Some([low, high]) = c.limits.map(|l| l.map(|x| numbers.number(x))) {
+                let k = numbers.number(c.limit_stiffness);
+                energy += spring(k, (q - high).max(S::zero()));
+                energy += spring(k, (low - q).max(S::zero()));
+            }
+        }
+        energy
+    }
+
+    /// Forces that no potential gives, on every coordinate.
+    pub(crate) fn forces(&self, at: &At<f64>) -> Vec<f64> {
+        let numbers: Resolved<f64> = self.numbers();
+        let lengths = self.lengths(at.q);
+        let value = |function: &Function| {
+            function.program.value(|variable| match variable {
+                Variable::Time => at.t,
+                Variable::Param(i) => numbers.params[i as usize],
+                Variable::Input(i) => at.inputs[i as usize],
+                Variable::Coordinate(i) => at.q[i as usize],
+                Variable::Rate(i) => at.v[i as usize],
+                Variable::Length(i) => lengths[i as usize],
+                Variable::Multiplier(_) => f64::NAN,
+            })
+        };
+        let mut force: Vec<f64> = self
+            .mechanism
+            .coordinates
+            .iter()
+            .zip(at.v)
+            .map(|(c, v)| -numbers.number(c.damping) * v)
+            .collect();
+        for torque in &self.mechanism.torques {
+            force[torque.coordinate as usize] += value(&torque.value);
+        }
+        let poses = self.poses(at.q);
+        for (j, sum) in force.iter_mut().enumerate() {
+            let turning = self.poses(&seeded(at.q, j));
+            for force in &self.mechanism.forces {
+                let mut f = Vec3([0, 1, 2].map(|i| value(&force.value[i])));
+                if let Some(link) = force.axes {
+                    f = poses[link as usize].rotation * f;
+                }
+                let point = Self::place(&turning, &self.numbers(), &force.point);
+                *sum += f.dot(Vec3(point.0.map(|x| x.slope)));
+            }
+        }
+        force
+    }
+
+    /// Momentum ∂T/∂v and force ∂(T − V)/∂q + F.
+    pub(crate) fn evaluate(&self, at: &At<f64>) -> (Vec<f64>, Vec<f64>) {
+        let forces = self.forces(at);
+        (0..at.q.len())
+            .map(|j| {
+                let p = self.kinetic(&fixed(at.q), &seeded(at.v, j)).slope;
+                let t_dq = self.kinetic(&seeded(at.q, j), &fixed(at.v)).slope;
+                let v_dq = self.potential(&seeded(at.q, j), &fixed(at.rest)).slope;
+                (p, t_dq - v_dq + forces[j])
+            })
+            .unzip()
+    }
+}
+
+/// Numbers that do not vary.
+pub(crate) fn fixed(x: &[f64]) -> Vec<Dual<f64>> {
+    x.iter().map(|&x| Dual::fixed(x)).collect()
+}
+
+/// Numbers of which the j-th is the variable.
+pub(crate) fn seeded(x: &[f64], j: usize) -> Vec<Dual<f64>> {
+    let mut x = fixed(x);
+    x[j].slope = 1.0;
+    x
+}
