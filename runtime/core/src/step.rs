@@ -21,6 +21,9 @@ const FLOOR: f64 = 1.0 * f64::EPSILON;
 const STAGNATION: f64 = 1e-12;
 /// Factors are used again as long as an iteration brings the residual below this part of it.
 const KEEP_FACTORS: f64 = 1e-2;
+/// A step may end with a correction that is not evaluated if it changes no impulse by more than this
+/// part of its tolerance.
+const LINEAR_END: f64 = 0.25;
 /// Newton iterations per guess.
 const MAX_ITERATIONS: usize = 40;
 
@@ -85,6 +88,7 @@ pub struct Stepper {
     v_mid: Vec<f64>,
     momentum: Vec<f64>,
     force: Vec<f64>,
+    force_before: Vec<f64>,
     matrix: Vec<f64>,
     g0: Vec<f64>,
     g1: Vec<f64>,
@@ -136,6 +140,7 @@ impl Stepper {
             v_mid: vec![0.0; n],
             momentum: vec![0.0; n],
             force: vec![0.0; n],
+            force_before: vec![0.0; n],
             matrix: vec![0.0; layout.matrix_size()],
             g0: vec![0.0; layout.constraint_size()],
             g1: vec![0.0; layout.constraint_size()],
@@ -241,9 +246,14 @@ impl Stepper {
             let before = merit;
             let mut fraction = 1.0;
             loop {
+                self.force_before.copy_from_slice(&self.force);
                 self.move_by(fraction);
                 self.evaluate(model, state, around, false);
                 let next = self.merit();
+                if next > 1.0 && self.linear_end_error(around.h) * next <= LINEAR_END * before {
+                    self.end_linearly(state, around);
+                    return Attempt::Converged;
+                }
                 if next <= 1.0 || next < merit * (1.0 - 1e-4 * fraction) {
                     merit = next;
                     break;
@@ -366,6 +376,44 @@ impl Stepper {
             }
         }
         worst
+    }
+
+    /// How far the last correction moved the half step's impulse, in units of tolerance. The next
+    /// correction will move it by as much less as the residual has fallen.
+    fn linear_end_error(&self, h: f64) -> f64 {
+        let mut worst = 0.0f64;
+        for block in &self.blocks {
+            for &c in &block.coordinates {
+                let change = 0.5 * h * (self.force[c] - self.force_before[c]);
+                worst = worst.max(ratio(change, self.scale[c]));
+            }
+        }
+        worst
+    }
+
+    /// A last correction with the factors at hand and no further evaluation: the impulse of the
+    /// force would change by less than its tolerance, and the step's equation itself gives the
+    /// momentum, p0 + h·f − Dh(q0)ᵀλ.
+    fn end_linearly(&mut self, state: &State, around: &Surroundings) {
+        self.iterations += 1;
+        self.trial.copy_from_slice(&self.delta);
+        self.trial_lambda.copy_from_slice(&self.lambda);
+        self.newton_step();
+        self.move_by(1.0);
+        let h = around.h;
+        for c in 0..self.delta.len() {
+            self.q1[c] = state.q[c] + self.delta[c];
+            self.v_mid[c] = self.delta[c] / h;
+            self.momentum[c] = state.p[c] + 0.5 * h * self.force[c];
+        }
+        for block in self.blocks.iter().filter(|block| !block.rows.is_empty()) {
+            for (row, &global) in block.rows.iter().enumerate() {
+                let lambda = self.lambda[global];
+                for (i, &c) in block.coordinates.iter().enumerate() {
+                    self.momentum[c] -= block.constraint_entry(&self.g0, row, i) * lambda;
+                }
+            }
+        }
     }
 
     fn factor(&mut self) -> Result<(), usize> {
