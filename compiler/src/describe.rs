@@ -70,7 +70,8 @@ fn tree(model: &hir::Model, mechanism: &Mechanism, numbers: &Resolved<f64>, text
         let _ = writeln!(text);
         open.extend(children[index].iter().rev().map(|&child| (child, depth + 1)));
     }
-    let rotations = mechanism.links.iter().filter(|l| !matches!(l.motion, Motion::Prismatic { .. }));
+    let rotations =
+        mechanism.links.iter().filter(|l| !matches!(l.motion, Motion::Prismatic { .. }));
     let _ = writeln!(
         text,
         "  {} coordinates, {} of them rotations",
@@ -107,7 +108,13 @@ fn masses(mechanism: &Mechanism, numbers: &Resolved<f64>, text: &mut String) {
         let at = if body.link.is_some() { "" } else { "  (fixed to the world)" };
         let _ = writeln!(text, "  {:<24} {:>12.4} g{at}", body.name, mass * 1e3);
     }
-    let _ = writeln!(text, "  {:<24} {:>12.4} g, {:.4} g of it moving", "total", total * 1e3, moving * 1e3);
+    let _ = writeln!(
+        text,
+        "  {:<24} {:>12.4} g, {:.4} g of it moving",
+        "total",
+        total * 1e3,
+        moving * 1e3
+    );
 }
 
 fn strands(

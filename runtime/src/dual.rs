@@ -165,10 +165,7 @@ impl<S: Scalar> Scalar for Dual<S> {
         otherwise: Self,
     ) -> Self {
         let pick = |a: S, b: S| S::select(comparison, left.value, right.value, a, b);
-        Dual {
-            value: pick(then.value, otherwise.value),
-            slope: pick(then.slope, otherwise.slope),
-        }
+        Dual { value: pick(then.value, otherwise.value), slope: pick(then.slope, otherwise.slope) }
     }
 }
 

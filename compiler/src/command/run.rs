@@ -18,7 +18,7 @@ struct Watcher {
 
 impl Observer for Watcher {
     fn advanced(&mut self, step: usize, steps: usize) -> bool {
-        if step % GLANCE == 0 || step == steps {
+        if step.is_multiple_of(GLANCE) || step == steps {
             if let Some(bar) = &self.bar {
                 bar.set_length(steps as u64);
                 bar.set_position(step as u64);

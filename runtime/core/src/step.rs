@@ -350,9 +350,7 @@ impl Stepper {
                         .coordinates
                         .iter()
                         .enumerate()
-                        .map(|(i, &c)| {
-                            block.constraint_entry(&self.g1, k, i).abs() * self.size[c]
-                        })
+                        .map(|(i, &c)| block.constraint_entry(&self.g1, k, i).abs() * self.size[c])
                         .sum::<f64>();
             }
         }
@@ -485,10 +483,12 @@ impl Stepper {
         for i in 0..self.delta.len() {
             state.q[i] = self.q1[i];
             state.v[i] = self.v_mid[i];
+            // What is left of the residual goes into the momentum: p1 = p0 + h·f − Dh(q0)ᵀλ, so that
+            // an increment known to rounding leaves no trace in what forces do not change.
             state.p[i] = if self.driven[i] {
                 0.0
             } else {
-                self.momentum[i] + 0.5 * around.h * self.force[i]
+                self.momentum[i] + 0.5 * around.h * self.force[i] + self.residual[i]
             };
         }
         // A driven coordinate ends exactly where it was told to.

@@ -7,17 +7,27 @@ use proc_macro2::{TokenStream, TokenTree};
 use quote::quote;
 use std::collections::BTreeSet;
 
-/// Every identifier in `tokens`.
+/// Every identifier in `tokens` that stands for itself: not what follows `::` or a dot, which is
+/// looked up in what stands before it.
 pub(super) fn mentioned(tokens: &TokenStream) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut open = vec![tokens.clone()];
     while let Some(stream) = open.pop() {
+        let mut before = [' '; 2];
         for tree in stream {
+            let mut last = ' ';
             match tree {
-                TokenTree::Ident(ident) => drop(found.insert(ident.to_string())),
+                TokenTree::Ident(ident) => {
+                    let is_member = before == [':'; 2] || (before[1] == '.' && before[0] != '.');
+                    if !is_member {
+                        found.insert(ident.to_string());
+                    }
+                }
                 TokenTree::Group(group) => open.push(group.stream()),
-                _ => {}
+                TokenTree::Punct(punct) => last = punct.as_char(),
+                TokenTree::Literal(_) => {}
             }
+            before = [before[1], last];
         }
     }
     found
