@@ -398,6 +398,7 @@ impl Stepper {
         self.trial_lambda.copy_from_slice(&self.lambda);
         self.newton_step();
         self.move_by(1.0);
+        self.residual.fill(0.0);
         let h = around.h;
         for c in 0..self.delta.len() {
             self.q1[c] = state.q[c] + self.delta[c];
@@ -516,18 +517,20 @@ impl Stepper {
         self.set_scales(state, around);
         let layout = model.layout();
         let mut worst = (0.0, String::from("none"), 0.0);
+        let mut keep = |found: f64, name: &str, r: f64| {
+            // The first that is not a number stays.
+            if !(found <= worst.0) && !f64::is_nan(worst.0) {
+                worst = (found, name.to_string(), r);
+            }
+        };
         for block in &self.blocks {
             for &c in &block.coordinates {
-                let found = ratio(self.residual[c], self.scale[c]);
-                if !(found <= worst.0) {
-                    worst = (found, layout.coordinates[c].name.clone(), self.residual[c]);
-                }
+                let r = self.residual[c];
+                keep(ratio(r, self.scale[c]), &layout.coordinates[c].name, r);
             }
             for &row in &block.rows {
-                let found = ratio(self.gap[row], self.row_scale[row]);
-                if !(found <= worst.0) {
-                    worst = (found, layout.rows[row].name.clone(), self.gap[row]);
-                }
+                let gap = self.gap[row];
+                keep(ratio(gap, self.row_scale[row]), &layout.rows[row].name, gap);
             }
         }
         let mut hints = Vec::new();
