@@ -80,10 +80,10 @@ enum Command {
         #[arg(long, value_name = "PARAM=VALUE", value_parser = assignment)]
         set: Vec<(String, f64)>,
         /// Step instead of the scenario's
-        #[arg(long, value_name = "SECONDS")]
+        #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
         step: Option<f64>,
         /// Duration instead of the scenario's
-        #[arg(long, value_name = "SECONDS")]
+        #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
         duration: Option<f64>,
     },
     /// Print the tree, coordinates, strands, masses and degrees of freedom
@@ -117,10 +117,10 @@ struct Run {
     #[arg(long, value_name = "PARAM=VALUE", value_parser = assignment)]
     set: Vec<(String, f64)>,
     /// Step instead of the scenario's
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     step: Option<f64>,
     /// Duration instead of the scenario's
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Run N copies
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]

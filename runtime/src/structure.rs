@@ -34,6 +34,8 @@ pub struct SegmentPath {
     pub first: Vec<PathStep>,
     /// From the second point's link to the middle.
     pub second: Vec<PathStep>,
+    /// Positions of the joints crossed, first side then second, among the strand's coordinates.
+    pub positions: Vec<usize>,
 }
 
 /// A strand's moving segments and the coordinates they span.
@@ -43,6 +45,9 @@ pub struct StrandPath {
     pub coordinates: Vec<usize>,
     /// Moving segments in order.
     pub segments: Vec<SegmentPath>,
+    /// Where the entries (i, j) and (j, i), j ≤ i, of its stiffness stand in a packed matrix, row by
+    /// row of the lower triangle; `None` if a coordinate is kinematic.
+    pub slots: Vec<Option<(usize, usize)>>,
 }
 
 /// A tree of links on the world.
@@ -129,7 +134,20 @@ impl Structure {
             mechanism.strands.iter().map(|strand| structure.strand_path(strand)).collect();
         structure.mark_world_links(mechanism);
         structure.find_blocks(mechanism);
+        structure.find_strand_slots();
         structure
+    }
+
+    fn find_strand_slots(&mut self) {
+        let slots_of = |path: &StrandPath| {
+            let c = &path.coordinates;
+            let pairs = (0..c.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
+            pairs.map(|(i, j)| Some((self.slot(c[i], c[j])?, self.slot(c[j], c[i])?))).collect()
+        };
+        let slots: Vec<_> = self.strands.iter().map(slots_of).collect();
+        for (path, slots) in self.strands.iter_mut().zip(slots) {
+            path.slots = slots;
+        }
     }
 
     /// Links from `link` to the root, `link` first; empty for the world.
@@ -229,7 +247,17 @@ impl Structure {
         }
         coordinates.sort_unstable();
         coordinates.dedup();
-        StrandPath { coordinates, segments }
+        for path in &mut segments {
+            path.positions = path
+                .first
+                .iter()
+                .chain(&path.second)
+                .filter_map(|step| {
+                    coordinates.binary_search(&self.coordinate_of[step.link() as usize]).ok()
+                })
+                .collect();
+        }
+        StrandPath { coordinates, segments, slots: Vec::new() }
     }
 
     /// The joints between two links, split so that both ends cross about as many.
@@ -256,6 +284,7 @@ impl Structure {
         SegmentPath {
             first: whole[..middle].to_vec(),
             second: whole[middle..].iter().rev().map(reversed).collect(),
+            positions: Vec::new(),
         }
     }
 

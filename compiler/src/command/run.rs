@@ -57,7 +57,9 @@ pub fn run(file: &Path, root: Option<&Path>, options: &RunOptions) -> u8 {
     match runner::run(Interpreter::new(Arc::new(mechanism)), options, &mut watcher) {
         Ok(()) => 0,
         Err(error) => {
-            watcher.note(&format!("error: {error}"));
+            if !error.is_reported() {
+                watcher.note(&format!("error: {error}"));
+            }
             error.exit_code() as u8
         }
     }

@@ -45,7 +45,12 @@ impl fmt::Display for StepError {
             f,
             "{what} at t = {} s (step {}): worst equation `{}`, residual {:.3e}, \
              condition at least {:.1e}, {} Newton iterations",
-            self.t, self.step, self.equation, self.residual, self.condition, self.iterations
+            rounded(self.t),
+            self.step,
+            self.equation,
+            self.residual,
+            self.condition,
+            self.iterations
         )?;
         for hint in &self.hints {
             write!(f, "\n  try: {hint}")?;
@@ -55,6 +60,11 @@ impl fmt::Display for StepError {
 }
 
 impl std::error::Error for StepError {}
+
+/// A time without the rounding of sums and products.
+fn rounded(t: f64) -> f64 {
+    (t * 1e12).round() / 1e12
+}
 
 /// Why a run ended early or could not begin.
 #[derive(Debug)]
@@ -70,6 +80,10 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// Whether [`crate::runner::run`] has already told the user.
+    pub fn is_reported(&self) -> bool {
+        matches!(self, RunError::Step(_))
+    }
     /// The process's exit code.
     pub fn exit_code(&self) -> i32 {
         match self {

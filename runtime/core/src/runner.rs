@@ -168,6 +168,10 @@ pub fn run<M: Model + Clone + Send + Sync>(
     if let Some(trajectory) = &mut trajectory {
         trajectory.flush()?;
     }
+    if let Err(error @ RunError::Step(_)) = &outcome {
+        observer.note(&format!("error: {error}"));
+    }
+    // The line with the figures ends every run, a failed one too.
     let taken = simulation.state.step;
     observer.note(&summary(taken, wall.as_secs_f64(), simulation.iterations()));
     outcome
@@ -201,7 +205,9 @@ pub fn main<M: Model + Clone + Send + Sync>(model: M) -> i32 {
     match run(model, &options, &mut Unwatched) {
         Ok(()) => 0,
         Err(error) => {
-            eprintln!("error: {error}");
+            if !error.is_reported() {
+                eprintln!("error: {error}");
+            }
             error.exit_code()
         }
     }

@@ -3,6 +3,7 @@
 //! A step needs Dh at its two ends and no second derivative: the multiplier force Dh(q0)ᵀλ is
 //! constant within the step's Newton iterations.
 
+use super::segment::Order;
 use super::{Mechanics, Workspace};
 use crate::expression::{Function, Variable};
 use crate::mechanism::{ConstraintKind, Point};
@@ -125,7 +126,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         for constraint in &self.mechanism.constraints {
             if let ConstraintKind::Equation(function) = &constraint.kind {
                 for strand in lengths_read(function) {
-                    self.strand_length(workspace, q, strand, false);
+                    self.strand_length(workspace, q, strand, Order::First);
                 }
             }
         }

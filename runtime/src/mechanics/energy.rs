@@ -1,5 +1,6 @@
 //! Potential energy and the mass matrix.
 
+use super::segment::Order;
 use super::{Mechanics, Workspace};
 use crate::vector::Vec3;
 use handc_core::scalar::Scalar;
@@ -10,7 +11,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         self.prepare(workspace, q);
         let mut energy = self.joint_potential(q);
         for index in 0..self.numbers.strands.len() {
-            self.strand_length(workspace, q, index, false);
+            self.strand_length(workspace, q, index, Order::Length);
             let stretch = workspace.strand.lengths[index] - rest[index];
             energy += (self.numbers.strands[index].stiffness * stretch * stretch).scale(0.5);
         }

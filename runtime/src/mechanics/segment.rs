@@ -18,13 +18,22 @@ use crate::structure::{PathStep, SegmentPath};
 use crate::vector::Vec3;
 use handc_core::scalar::Scalar;
 
+/// How much of a segment is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// Its length.
+    Length,
+    /// And first derivatives.
+    First,
+    /// And second derivatives.
+    Second,
+}
+
 /// A joint between the ends of a segment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing<S> {
-    /// Its coordinate.
-    pub(crate) coordinate: usize,
     /// Whether the joint rotates.
-    pub(crate) rotates: bool,
+    rotates: bool,
     /// Signed axis in the middle's axes.
     axis: Vec3<S>,
     /// Derivative of p₂ − p₁.
@@ -40,7 +49,7 @@ pub(crate) struct Segment<S> {
     pub(crate) length: S,
     /// Joints crossed: those of the first side, then those of the second, innermost last on each.
     pub(crate) crossings: Vec<Crossing<S>>,
-    /// d_jk, row by row of `crossings`, if wanted.
+    /// d_jk, lower triangle, row by row of `crossings`, if wanted.
     pub(crate) length_dqdq: Vec<S>,
 }
 
@@ -51,14 +60,14 @@ impl<S: Scalar> Segment<S> {
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
-    /// Length of a segment with first derivatives and, if `second`, second ones.
+    /// Length of a segment, with derivatives up to `order`.
     pub(crate) fn segment(
         &self,
         sin_cos: &[(S, S)],
         q: &[S],
         path: &SegmentPath,
         (first, second_point): (Vec3<S>, Vec3<S>),
-        second: bool,
+        order: Order,
         out: &mut Segment<S>,
     ) {
         out.crossings.clear();
@@ -70,16 +79,22 @@ impl<S: Scalar> Mechanics<'_, S> {
                     PathStep::Up(_) => (first, second_point),
                     PathStep::Down(_) => (second_point, first),
                 };
-                self.hinge_segment(sin_cos, step.link(), parent, child, second, out);
+                self.hinge_segment(sin_cos, step.link(), parent, child, order, out);
                 return;
             }
         }
-        let p1 = self.walk(sin_cos, q, &path.first, first, &mut out.crossings);
+        if order == Order::Length {
+            let p1 = self.place_along(sin_cos, q, &path.first, first);
+            let p2 = self.place_along(sin_cos, q, &path.second, second_point);
+            out.length = (p2 - p1).norm_squared().sqrt();
+            return;
+        }
+        let p1 = self.walk(sin_cos, q, &path.first, first, &mut out.crossings, 0);
         let split = out.crossings.len();
         for crossing in &mut out.crossings {
             crossing.r = -crossing.r;
         }
-        let p2 = self.walk_from(sin_cos, q, &path.second, second_point, &mut out.crossings, split);
+        let p2 = self.walk(sin_cos, q, &path.second, second_point, &mut out.crossings, split);
         let difference = p2 - p1;
         let length = difference.norm_squared().sqrt();
         let inverse = length.recip();
@@ -88,7 +103,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         for crossing in &mut out.crossings {
             crossing.length_dq = unit.dot(crossing.r);
         }
-        if !second {
+        if order != Order::Second {
             return;
         }
         let count = out.crossings.len();
@@ -103,7 +118,6 @@ impl<S: Scalar> Mechanics<'_, S> {
                     value += unit.dot(outer.axis.cross(inner.r));
                 }
                 out.length_dqdq[i * count + j] = value;
-                out.length_dqdq[j * count + i] = value;
             }
         }
     }
@@ -115,7 +129,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         link: u32,
         parent: Vec3<S>,
         child: Vec3<S>,
-        second: bool,
+        order: Order,
         out: &mut Segment<S>,
     ) {
         let joint = &self.numbers.joints[link as usize];
@@ -136,31 +150,46 @@ impl<S: Scalar> Mechanics<'_, S> {
         let length_dq = (cosine * s - sine * c) * inverse;
         out.length = length;
         out.crossings.push(Crossing {
-            coordinate: self.structure.coordinate_of[link as usize],
             rotates: true,
             axis: Vec3::zero(),
             r: Vec3::zero(),
             length_dq,
         });
-        if second {
+        if order == Order::Second {
             out.length_dqdq.push((y - length_dq * length_dq) * inverse);
         }
     }
 
-    fn walk(
+    /// Takes a point along a path.
+    fn place_along(
         &self,
         sin_cos: &[(S, S)],
         q: &[S],
         steps: &[PathStep],
         point: Vec3<S>,
-        crossings: &mut Vec<Crossing<S>>,
     ) -> Vec3<S> {
-        let start = crossings.len();
-        self.walk_from(sin_cos, q, steps, point, crossings, start)
+        steps.iter().fold(point, |p, step| {
+            let link = step.link() as usize;
+            let joint = &self.numbers.joints[link];
+            let (s, c) = sin_cos[link];
+            let turn = |v: Vec3<S>, sine: S| {
+                if joint.rotates { rotate_vector(&joint.axis, (sine, c), v) } else { v }
+            };
+            let slide = joint.advance.map(|advance| {
+                joint.axis.vector().scale(q[self.structure.coordinate_of[link]] * advance)
+            });
+            let slide = slide.unwrap_or_else(Vec3::zero);
+            match (step, joint.rotation) {
+                (PathStep::Up(_), None) => turn(p, s) + slide + joint.origin,
+                (PathStep::Up(_), Some(r)) => r * (turn(p, s) + slide) + joint.origin,
+                (PathStep::Down(_), None) => turn(p - joint.origin - slide, -s),
+                (PathStep::Down(_), Some(r)) => turn(r.transpose_mul(p - joint.origin) - slide, -s),
+            }
+        })
     }
 
     /// Takes a point along a path; crossings from `start` on are turned with it.
-    fn walk_from(
+    fn walk(
         &self,
         sin_cos: &[(S, S)],
         q: &[S],
@@ -184,7 +213,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 PathStep::Up(_) => {
                     p = turn(p, s);
                     self.turn_all(&mut crossings[start..], |v| turn(v, s));
-                    crossings.push(crossing(joint, coordinate, p, false));
+                    crossings.push(crossing(joint, p, false));
                     if let Some(slide) = slide {
                         p += slide;
                     }
@@ -205,7 +234,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                     }
                     p = turn(p, -s);
                     self.turn_all(&mut crossings[start..], |v| turn(v, -s));
-                    crossings.push(crossing(joint, coordinate, p, true));
+                    crossings.push(crossing(joint, p, true));
                 }
             }
         }
@@ -223,12 +252,7 @@ impl<S: Scalar> Mechanics<'_, S> {
 
 /// The joint just crossed by the point `p`, given in the joint's own axes.
 #[inline]
-fn crossing<S: Scalar>(
-    joint: &Joint<S>,
-    coordinate: usize,
-    p: Vec3<S>,
-    downward: bool,
-) -> Crossing<S> {
+fn crossing<S: Scalar>(joint: &Joint<S>, p: Vec3<S>, downward: bool) -> Crossing<S> {
     let axis = joint.axis.vector();
     let mut r = if joint.rotates { joint.axis.cross(p) } else { Vec3::zero() };
     if let Some(advance) = joint.advance {
@@ -238,5 +262,5 @@ fn crossing<S: Scalar>(
     if downward {
         (r, w) = (-r, -w);
     }
-    Crossing { coordinate, rotates: joint.rotates, axis: w, r, length_dq: S::zero() }
+    Crossing { rotates: joint.rotates, axis: w, r, length_dq: S::zero() }
 }

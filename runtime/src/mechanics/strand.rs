@@ -1,6 +1,6 @@
 //! Strands: V = ½k(x − x₀)² over the length x of a path, its gradient and its Hessian.
 
-use super::segment::Segment;
+use super::segment::{Order, Segment};
 use super::{Mechanics, Terms, Workspace};
 use crate::structure::Structure;
 use handc_core::scalar::Scalar;
@@ -41,8 +41,9 @@ impl<S: Scalar> Mechanics<'_, S> {
         terms: &mut Terms<S>,
     ) {
         let quarter = terms.matrix.as_ref().map(|(h, _)| h.scale(0.25));
+        let order = if quarter.is_some() { Order::Second } else { Order::First };
         for index in 0..self.numbers.strands.len() {
-            self.strand_length(workspace, q, index, quarter.is_some());
+            self.strand_length(workspace, q, index, order);
             let scratch = &workspace.strand;
             let coordinates = &self.structure.strands[index].coordinates;
             let stiffness = self.numbers.strands[index].stiffness;
@@ -51,30 +52,32 @@ impl<S: Scalar> Mechanics<'_, S> {
             for (i, &row) in coordinates.iter().enumerate() {
                 terms.force[row] -= tension * length_dq[i];
             }
-            let Some(quarter) = quarter else { continue };
+            let (Some(quarter), Some((_, matrix))) = (quarter, &mut terms.matrix) else { continue };
             let (k, f) = (stiffness * quarter, tension * quarter);
             let count = coordinates.len();
+            let mut slots = self.structure.strands[index].slots.iter();
             for i in 0..count {
                 let k_length_dq = k * length_dq[i];
                 for j in 0..=i {
+                    let Some(&Some((lower, upper))) = slots.next() else { continue };
                     let value = k_length_dq * length_dq[j] + f * scratch.length_dqdq[i * count + j];
-                    terms.add(self.structure, coordinates[i], coordinates[j], -value);
+                    matrix[lower] -= value;
                     if i != j {
-                        terms.add(self.structure, coordinates[j], coordinates[i], -value);
+                        matrix[upper] -= value;
                     }
                 }
             }
         }
     }
 
-    /// Length of strand `index` and its derivatives, into the workspace; second derivatives (in the
-    /// order of the path's coordinates) if `second`.
+    /// Length of strand `index` and its derivatives, into the workspace; second derivatives (lower
+    /// triangle, in the order of the path's coordinates) if wanted.
     pub(crate) fn strand_length(
         &self,
         workspace: &mut Workspace<S>,
         q: &[S],
         index: usize,
-        second: bool,
+        order: Order,
     ) {
         let path = &self.structure.strands[index];
         let numbers = &self.numbers.strands[index];
@@ -83,23 +86,28 @@ impl<S: Scalar> Mechanics<'_, S> {
         let mut length = numbers.constant_length;
         let length_dq = &mut scratch.length_dq[index];
         length_dq.fill(S::zero());
-        if second {
+        if order == Order::Second {
             scratch.length_dqdq.clear();
             scratch.length_dqdq.resize(count * count, S::zero());
         }
         let segment = &mut scratch.segment;
         for (segment_path, &ends) in path.segments.iter().zip(&numbers.segments) {
-            self.segment(&workspace.sin_cos, q, segment_path, ends, second, segment);
+            self.segment(&workspace.sin_cos, q, segment_path, ends, order, segment);
             length += segment.length;
+            if order == Order::Length {
+                continue;
+            }
             let crossed = segment.crossings.len();
             for (i, a) in segment.crossings.iter().enumerate() {
-                let row = position(&path.coordinates, a.coordinate);
+                let row = segment_path.positions[i];
                 length_dq[row] += a.length_dq;
-                if !second {
+                if order != Order::Second {
                     continue;
                 }
-                for (j, b) in segment.crossings.iter().enumerate() {
-                    let column = position(&path.coordinates, b.coordinate);
+                // The lower triangle is enough, within the strand's order of coordinates.
+                for j in 0..=i {
+                    let column = segment_path.positions[j];
+                    let (row, column) = (row.max(column), row.min(column));
                     scratch.length_dqdq[row * count + column] +=
                         segment.length_dqdq[i * crossed + j];
                 }
@@ -112,7 +120,7 @@ impl<S: Scalar> Mechanics<'_, S> {
     pub fn strand_lengths(&self, workspace: &mut Workspace<S>, q: &[S], lengths: &mut [S]) {
         self.prepare(workspace, q);
         for (index, length) in lengths.iter_mut().enumerate() {
-            self.strand_length(workspace, q, index, false);
+            self.strand_length(workspace, q, index, Order::Length);
             *length = workspace.strand.lengths[index];
         }
     }
@@ -122,17 +130,11 @@ impl<S: Scalar> Mechanics<'_, S> {
         self.prepare(workspace, q);
         length_dq.fill(S::zero());
         for index in 0..self.numbers.strands.len() {
-            self.strand_length(workspace, q, index, false);
+            self.strand_length(workspace, q, index, Order::First);
             for (i, &coordinate) in self.structure.strands[index].coordinates.iter().enumerate() {
                 length_dq[index * self.structure.count + coordinate] =
                     workspace.strand.length_dq[index][i];
             }
         }
     }
-}
-
-/// Position of a coordinate among the few of a path.
-#[inline]
-fn position(coordinates: &[usize], coordinate: usize) -> usize {
-    coordinates.iter().position(|&c| c == coordinate).unwrap_or(0)
 }
