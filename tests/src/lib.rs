@@ -1,5 +1,10 @@
 //! Shared helpers of the integration tests.
 
+pub mod battery;
+pub mod chance;
+pub mod compare;
 pub mod load;
 pub mod neutral;
+pub mod probe;
+pub mod random;
 pub mod table;

@@ -2,7 +2,7 @@
 
 use handc::lower::lower;
 use handc_dsl::diagnostic::render;
-use handc_dsl::{Checked, check_file};
+use handc_dsl::{Checked, check_file, check_text};
 use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanism::Mechanism;
 use std::path::{Path, PathBuf};
@@ -44,4 +44,15 @@ pub fn mechanism(path: &Path) -> Result<Mechanism, String> {
 pub fn interpreter(path: &Path) -> Interpreter {
     let mechanism = mechanism(path).unwrap_or_else(|said| panic!("{}\n{said}", path.display()));
     Interpreter::new(Arc::new(mechanism))
+}
+
+/// The mechanism of a text.
+pub fn mechanism_of_text(name: &str, text: &str) -> Result<Mechanism, String> {
+    let checked = check_text(&format!("{name}.hdl"), text);
+    match &checked.model {
+        Some(model) if !checked.diagnostics.iter().any(|d| d.is_error()) => {
+            Ok(lower(model, &checked.sources))
+        }
+        _ => Err(said(&checked)),
+    }
 }

@@ -37,8 +37,7 @@ fn agrees(fixture: &str, csv: &str, bounds: &[Bound]) {
             simulation.step().unwrap_or_else(|error| panic!("{fixture}: {error}"));
         }
         let t = simulation.state.t;
-        let Some(wanted) = next.filter(|wanted| (wanted[0] - t).abs() < 1e-3 * simulation.h)
-        else {
+        let Some(wanted) = next.filter(|wanted| (wanted[0] - t).abs() < 1e-3 * simulation.h) else {
             continue;
         };
         row(&mut simulation, &mut numbers);
