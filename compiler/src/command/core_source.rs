@@ -23,7 +23,7 @@ macro_rules! sources {
 }
 
 const SOURCES: &[(&str, &str)] = sources![
-    "ensemble" "error" "frequency" "layout" "lib" "linalg" "math" "model" "motion" "runner"
+    "array" "ensemble" "error" "frequency" "layout" "lib" "linalg" "math" "model" "motion" "runner"
     "scalar" "simulation" "solve" "start" "step" "trajectory"
 ];
 
