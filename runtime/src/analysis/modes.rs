@@ -33,6 +33,9 @@ pub fn modes(mass: &[f64], stiffness: &[f64], n: usize, basis: &[Vec<f64>]) -> V
     let scaled = DMatrix::from_fn(free, free, |i, j| m[(i, j)] * scale[i] * scale[j]);
     let inertia = SymmetricEigen::new(scaled);
     let heavy: Vec<usize> = (0..free).filter(|&i| inertia.eigenvalues[i] > 1e-10).collect();
+    if heavy.is_empty() {
+        return Vec::new();
+    }
     let whiten = DMatrix::from_fn(free, heavy.len(), |i, j| {
         let which = heavy[j];
         scale[i] * inertia.eigenvectors[(i, which)] / inertia.eigenvalues[which].sqrt()
@@ -62,5 +65,6 @@ mod tests {
         assert!((found[1].omega_squared - 3.0).abs() < 1e-14);
         let held = modes(&[1.0, 0.0, 0.0, 1.0], &[2.0, -1.0, -1.0, 2.0], 2, &basis[..1]);
         assert!((held[0].omega_squared - 2.0).abs() < 1e-14);
+        assert!(modes(&[0.0], &[1.0], 1, &[vec![1.0]]).is_empty());
     }
 }
