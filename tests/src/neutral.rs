@@ -76,7 +76,8 @@ pub fn mechanism(json: &Value) -> Mechanism {
         }
         let name = text(&frame["name"]);
         if let Some(mass) = frame["mass"].as_f64() {
-            let inertia = frame["inertia"].as_array().map_or([0.0; 3], |_| triple(&frame["inertia"]));
+            let inertia =
+                frame["inertia"].as_array().map_or([0.0; 3], |_| triple(&frame["inertia"]));
             assert!(
                 inertia == [0.0; 3] || place.1 == identity || place.0.is_none(),
                 "bodies with inertia stand straight in their links"

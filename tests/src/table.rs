@@ -25,10 +25,7 @@ impl Table {
     }
     /// Position of a column.
     pub fn column(&self, name: &str) -> usize {
-        self.columns
-            .iter()
-            .position(|c| c == name)
-            .unwrap_or_else(|| panic!("no column `{name}`"))
+        self.columns.iter().position(|c| c == name).unwrap_or_else(|| panic!("no column `{name}`"))
     }
 }
 

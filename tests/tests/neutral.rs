@@ -17,8 +17,7 @@ fn read(name: &str) -> Mechanism {
 fn difference(mechanism: Mechanism, h: f64, t_end: f64, csv: &str) -> f64 {
     let table = Table::read(&reference(csv));
     let settings = Settings { step: Some(h), duration: Some(t_end), ..Settings::default() };
-    let mut simulation =
-        Simulation::new(Interpreter::new(Arc::new(mechanism)), &settings).unwrap();
+    let mut simulation = Simulation::new(Interpreter::new(Arc::new(mechanism)), &settings).unwrap();
     let n = simulation.state.q.len();
     let mut worst: f64 = 0.0;
     let compare = |state: &handc_core::step::State, row: &[f64]| {
@@ -31,13 +30,18 @@ fn difference(mechanism: Mechanism, h: f64, t_end: f64, csv: &str) -> f64 {
         }
         if next < table.rows.len() && (table.rows[next][0] - simulation.state.t).abs() < 0.1 * h {
             let d = compare(&simulation.state, &table.rows[next]);
-            if std::env::var("SHOW").is_ok() && next % 10 == 0 { eprintln!("{} {d:.2e}", simulation.state.t); }
+            if std::env::var("SHOW").is_ok() && next % 10 == 0 {
+                eprintln!("{} {d:.2e}", simulation.state.t);
+            }
             worst = worst.max(d);
             next += 1;
         }
     }
     assert!(next > 10, "only {next} rows compared");
-    eprintln!("{csv} to {t_end} s: {worst:.2e}, {:.3} newton/step", simulation.iterations() as f64 / simulation.steps as f64);
+    eprintln!(
+        "{csv} to {t_end} s: {worst:.2e}, {:.3} newton/step",
+        simulation.iterations() as f64 / simulation.steps as f64
+    );
     worst
 }
 
@@ -93,14 +97,17 @@ fn small_systems() {
 #[test]
 fn finger_through_three_motions() {
     let mut finger = read("finger.json");
-    let poses = [
-        vec![],
-        vec![-0.9, -1.1, -0.6],
-        vec![-0.2, -1.2, -0.7],
-        vec![-1.0, -0.3, -0.2],
-    ];
+    let poses = [vec![], vec![-0.9, -1.1, -0.6], vec![-0.2, -1.2, -0.7], vec![-1.0, -0.3, -0.2]];
     let knots = [
-        (0, 0.0), (1, 4.0), (1, 8.0), (0, 12.0), (2, 16.0), (2, 20.0), (3, 24.0), (0, 28.0), (0, 30.0),
+        (0, 0.0),
+        (1, 4.0),
+        (1, 8.0),
+        (0, 12.0),
+        (2, 16.0),
+        (2, 20.0),
+        (3, 24.0),
+        (0, 28.0),
+        (0, 30.0),
     ];
     motion(&mut finger, &poses, &knots);
     assert!(difference(finger, 0.01, 30.0, "finger_track.csv") < 1e-9);

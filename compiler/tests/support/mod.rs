@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// An empty folder of one test.
-pub struct Folder(pub PathBuf);
+pub(crate) struct Folder(pub(crate) PathBuf);
 
 /// Makes one.
-pub fn folder(name: &str) -> Folder {
+pub(crate) fn folder(name: &str) -> Folder {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command").join(name);
     let _ = std::fs::remove_dir_all(&path);
     std::fs::create_dir_all(&path).expect("a folder");
@@ -17,31 +17,31 @@ pub fn folder(name: &str) -> Folder {
 
 impl Folder {
     /// Writes a file.
-    pub fn write(&self, name: &str, text: &str) {
+    pub(crate) fn write(&self, name: &str, text: &str) {
         std::fs::write(self.0.join(name), text).expect("a file");
     }
     /// Reads one.
-    pub fn read(&self, name: &str) -> String {
+    pub(crate) fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.0.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
     /// Size of a file; zero where there is none.
-    pub fn size(&self, name: &str) -> u64 {
+    pub(crate) fn size(&self, name: &str) -> u64 {
         std::fs::metadata(self.0.join(name)).map_or(0, |data| data.len())
     }
     /// How many files and folders it holds.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         std::fs::read_dir(&self.0).expect("a folder").count()
     }
 }
 
 /// What a process said.
-pub struct Said {
+pub(crate) struct Said {
     /// Exit code; −1 after a signal.
-    pub code: i32,
+    pub(crate) code: i32,
     /// Standard output.
-    pub out: String,
+    pub(crate) out: String,
     /// Standard error.
-    pub err: String,
+    pub(crate) err: String,
 }
 
 impl From<Output> for Said {
@@ -55,14 +55,14 @@ impl From<Output> for Said {
 }
 
 /// Runs `handc` in a folder.
-pub fn handc(folder: &Folder, arguments: &[&str]) -> Said {
+pub(crate) fn handc(folder: &Folder, arguments: &[&str]) -> Said {
     let mut command = Command::new(env!("CARGO_BIN_EXE_handc"));
     let output = command.args(arguments).current_dir(&folder.0).output();
     output.expect("handc").into()
 }
 
 /// The steps of the line that ends every run, whose form is checked.
-pub fn figures(said: &Said) -> usize {
+pub(crate) fn figures(said: &Said) -> usize {
     let last = said.err.trim_end().lines().last().unwrap_or_default();
     let words: Vec<&str> = last.split_whitespace().collect();
     let [a, steps, b, wall, c, d, each, e, newton] = words[..] else { panic!("{}", said.err) };
@@ -75,7 +75,7 @@ pub fn figures(said: &Said) -> usize {
 }
 
 /// Header and rows of a table of numbers, all of one width.
-pub fn table(text: &str) -> (String, Vec<Vec<f64>>) {
+pub(crate) fn table(text: &str) -> (String, Vec<Vec<f64>>) {
     let mut lines = text.lines();
     let header = lines.next().expect("a header").to_string();
     let width = header.split(',').count();
