@@ -2,8 +2,8 @@
 //! strands, springs, drives, inputs, forces, motions and records.
 //!
 //! Text goes through the whole language, so checker and lowering are exercised as well. A model is
-//! drafted as a tree ([`tree`]), then what acts on it is added ([`load`]); loops are closed where
-//! its points are at the start ([`closure`]), and scenarios come last ([`scenario`]).
+//! drafted as a tree (`tree`), then what acts on it is added (`load`); loops are closed where
+//! its points are at the start (`closure`), and scenarios come last (`scenario`).
 
 mod closure;
 mod draft;
