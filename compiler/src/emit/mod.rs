@@ -3,7 +3,7 @@
 //! Steps, each a module: [`plan`] decides which nodes become variables, which are written inside
 //! the expression that uses them, and which products are fused with a sum; [`schedule`] orders the
 //! statements so that values are made shortly before their use; [`cut`] splits what is too long for
-//! one function; [`name`] gives every variable a name that says where it came from; [`print`] makes
+//! one function; [`name`] gives every variable a name that says where it came from; [`print`](mod@print) makes
 //! tokens, and [`count`] counts what will be executed.
 //!
 //! What stands between those steps is [`code`]: a list of statements that knows nothing of Rust, so
