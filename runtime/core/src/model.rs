@@ -3,7 +3,7 @@
 //! The interpreter and every generated crate implement [`Model`]; the integrator, the scenarios,
 //! the trajectories and the command line are written once against it. All vectors over coordinates
 //! are indexed by the coordinate's position in the model, kinematic ones included, so that one
-//! index means one thing everywhere. Matrices are packed by [`Block`].
+//! index means one thing everywhere. Matrices are packed by [`Block`](crate::layout::Block).
 
 use crate::layout::{Layout, ScenarioLayout};
 use std::sync::Arc;
