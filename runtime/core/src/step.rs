@@ -6,24 +6,30 @@
 //! p0 + (h/2)·f(q_mid, v_mid) − p(q_mid, v_mid) − Dh(q0)ᵀλ = 0,  h(q1) = 0,
 //!
 //! with p = ∂L/∂q̇ and f = ∂L/∂q + F; then p1 = p + (h/2)·f, which the last evaluation already
-//! holds. Newton starts from the quadratic through the last three configurations, so that a smooth
-//! motion needs one iteration.
+//! holds. Newton starts from the polynomial through the last configurations whose degree has lately
+//! foretold the motion best, so that a smooth motion needs one iteration.
 
 use crate::error::{StepError, StepErrorKind};
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::{Midpoint, Model};
 use crate::solve::BlockSystem;
 
-/// Residuals below this many units of rounding of their own equation are converged.
-const FLOOR: f64 = 1.0 * f64::EPSILON;
-/// A Newton correction below this, relative to its coordinate, that no longer lowers the residual
-/// has reached the floor.
+/// Gaps of constraints below this many units of rounding of the coordinates are closed.
+const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
+/// Residuals below this many units of rounding of the coordinates, seen through the Newton matrix,
+/// are converged. Below one, because the unknown is the increment: rounding of the coordinates
+/// enters through the forces alone.
+const FLOOR: f64 = 0.3 * f64::EPSILON;
+/// A Newton correction below this, relative to its coordinate, that hardly lowers the residual has
+/// reached the floor.
 const STAGNATION: f64 = 1e-12;
 /// Factors are used again as long as an iteration brings the residual below this part of it.
 const KEEP_FACTORS: f64 = 1e-2;
 /// A step may end with a correction that is not evaluated if it changes no impulse by more than this
 /// part of its tolerance.
 const LINEAR_END: f64 = 0.25;
+/// Highest degree of the polynomial through past configurations from which Newton starts.
+const DEGREES: usize = 4;
 /// Newton iterations per guess.
 const MAX_ITERATIONS: usize = 40;
 
@@ -42,15 +48,15 @@ pub struct State {
     pub v: Vec<f64>,
     /// Multipliers of the step just ended (impulses).
     pub lambda: Vec<f64>,
-    /// Increments of the last two steps, latest first.
-    history: [Vec<f64>; 2],
+    /// Last increment and its backward differences, of which the first `step` mean something.
+    differences: [Vec<f64>; DEGREES],
 }
 
 impl State {
     /// A state at time zero.
     pub fn new(q: Vec<f64>, p: Vec<f64>, v: Vec<f64>, rows: usize) -> Self {
-        let history = [vec![0.0; q.len()], vec![0.0; q.len()]];
-        State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], history }
+        let differences = std::array::from_fn(|_| vec![0.0; q.len()]);
+        State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], differences }
     }
 }
 
@@ -102,6 +108,10 @@ pub struct Stepper {
     block_step: Vec<f64>,
     block_lambda: Vec<f64>,
     condition: f64,
+    /// 1 over the size of each coordinate; 0 where driven.
+    guess_weight: Vec<f64>,
+    /// Fading sum of the squares by which a guess of each degree has missed.
+    missed: [f64; DEGREES],
 }
 
 /// How an attempt from one guess ended.
@@ -117,7 +127,7 @@ impl Stepper {
     /// drives) have their path given.
     pub fn new(layout: &Layout, driven: &[bool], tolerance: f64) -> Self {
         let (n, m) = (layout.coordinates.len(), layout.rows.len());
-        let floor_scale = layout
+        let floor_scale: Vec<f64> = layout
             .coordinates
             .iter()
             .map(|c| match c.kind {
@@ -125,6 +135,8 @@ impl Stepper {
                 CoordinateKind::Length => layout.length_scale,
             })
             .collect();
+        let weight = |(size, driven): (&f64, &bool)| if *driven { 0.0 } else { 1.0 / size };
+        let guess_weight = floor_scale.iter().zip(driven).map(weight).collect();
         Stepper {
             blocks: layout.blocks.iter().map(|b| BlockSystem::new(b, driven)).collect(),
             driven: driven.to_vec(),
@@ -154,6 +166,8 @@ impl Stepper {
             block_step: vec![0.0; n],
             block_lambda: vec![0.0; m],
             condition: f64::NAN,
+            guess_weight,
+            missed: [0.0; DEGREES],
         }
     }
 
@@ -185,14 +199,13 @@ impl Stepper {
     }
 
     fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
-        let [last, before] = &state.history;
-        let quadratic = state.step >= 2;
+        let degree = self.best_degree(state);
         for i in 0..self.delta.len() {
             self.delta[i] = if self.driven[i] {
                 around.driven_q[i] - state.q[i]
             } else {
                 match number {
-                    0 if quadratic => 2.0 * last[i] - before[i],
+                    0 if state.step >= 2 => state.differences[..degree].iter().map(|d| d[i]).sum(),
                     0 | 1 => state.v[i] * around.h,
                     2 => 0.0,
                     _ => 0.5 * state.v[i] * around.h,
@@ -203,6 +216,36 @@ impl Stepper {
             self.lambda.copy_from_slice(&state.lambda);
         } else {
             self.lambda.fill(0.0);
+        }
+    }
+
+    /// The degree that has foretold the last steps best; the quadratic until more is known.
+    fn best_degree(&self, state: &State) -> usize {
+        let mut best = 2;
+        for degree in 1..=DEGREES.min(state.step.saturating_sub(1)) {
+            if self.missed[degree - 1] < self.missed[best - 1] {
+                best = degree;
+            }
+        }
+        best
+    }
+
+    /// Takes the new increment into the table of differences. The sum of the first k of them is the
+    /// increment that the polynomial of degree k foretells, and the k-th is what it missed.
+    fn learn(&mut self, state: &mut State) {
+        let mut missed = [0.0; DEGREES];
+        for i in 0..self.delta.len() {
+            let mut difference = self.delta[i];
+            for k in 0..DEGREES {
+                let next = difference - state.differences[k][i];
+                state.differences[k][i] = difference;
+                difference = next;
+                missed[k] += (next * self.guess_weight[i]).powi(2);
+            }
+        }
+        for k in 0..DEGREES.min(state.step) {
+            let faded = if k + 1 < state.step { 0.5 * self.missed[k] } else { 0.0 };
+            self.missed[k] = missed[k] + faded;
         }
     }
 
@@ -250,17 +293,21 @@ impl Stepper {
                 self.move_by(fraction);
                 self.evaluate(model, state, around, false);
                 let next = self.merit();
-                if next > 1.0 && self.linear_end_error(around.h) * next <= LINEAR_END * before {
+                // The next correction leaves next²/before of the residual and moves the impulse by
+                // next/before of what this one did.
+                let left = self.linear_end_error(around.h).max(next) * next;
+                if fraction == 1.0 && next > 1.0 && left <= LINEAR_END * before {
+                    self.iterations += 1;
                     self.end_linearly(state, around);
+                    return Attempt::Converged;
+                }
+                if next > 0.1 * merit && correction <= STAGNATION && next.is_finite() {
+                    // The residual hardly falls and the correction is rounding: the floor.
                     return Attempt::Converged;
                 }
                 if next <= 1.0 || next < merit * (1.0 - 1e-4 * fraction) {
                     merit = next;
                     break;
-                }
-                if correction <= STAGNATION && next.is_finite() {
-                    // The residual no longer falls and the correction is rounding: the floor.
-                    return Attempt::Converged;
                 }
                 fraction *= 0.5;
                 if fraction < 1e-3 {
@@ -345,7 +392,7 @@ impl Stepper {
                 self.scale[c] = self.scale[c].max(FLOOR * row);
             }
             for (k, &row) in block.rows.iter().enumerate() {
-                self.row_scale[row] = FLOOR
+                self.row_scale[row] = GAP_FLOOR
                     * block
                         .coordinates
                         .iter()
@@ -393,7 +440,6 @@ impl Stepper {
     /// force would change by less than its tolerance, and the step's equation itself gives the
     /// momentum, p0 + h·f − Dh(q0)ᵀλ.
     fn end_linearly(&mut self, state: &State, around: &Surroundings) {
-        self.iterations += 1;
         self.trial.copy_from_slice(&self.delta);
         self.trial_lambda.copy_from_slice(&self.lambda);
         self.newton_step();
@@ -497,8 +543,7 @@ impl Stepper {
             state.q[i] = around.driven_q[i];
         }
         state.lambda.copy_from_slice(&self.lambda);
-        state.history.swap(0, 1);
-        state.history[0].copy_from_slice(&self.delta);
+        self.learn(state);
         state.t = around.t1;
         state.step += 1;
     }

@@ -8,7 +8,7 @@ use handc_core::scalar::Scalar;
 use handc_runtime::dual::Dual;
 use handc_runtime::expression::{Function, Variable};
 use handc_runtime::mechanics::{At, Mechanics, Workspace};
-use handc_runtime::mechanism::{Mechanism, Point};
+use handc_runtime::mechanism::{Mechanism, Number, Point};
 use handc_runtime::resolved::Resolved;
 use handc_runtime::structure::Structure;
 use handc_runtime::vector::{Transform, Vec3};
@@ -183,4 +183,43 @@ pub(crate) fn seeded(x: &[f64], j: usize) -> Vec<Dual<f64>> {
     let mut x = fixed(x);
     x[j].slope = 1.0;
     x
+}
+
+/// Numbers evenly spread over −1 … 1, always the same.
+pub(crate) struct Noise(pub(crate) u64);
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A midpoint near the start, with strands pulled and everything moving.
+pub(crate) struct Place {
+    pub(crate) q: Vec<f64>,
+    pub(crate) v: Vec<f64>,
+    pub(crate) rest: Vec<f64>,
+    pub(crate) inputs: Vec<f64>,
+}
+
+impl Place {
+    pub(crate) fn new(oracle: &Oracle, noise: &mut Noise) -> Place {
+        let numbers = oracle.numbers::<f64>();
+        let spread: Vec<f64> = oracle
+            .mechanism
+            .coordinates
+            .iter()
+            .map(|c| if c.is_length { 0.03 } else { 0.4 })
+            .collect();
+        let start = |n: Number| numbers.number(n);
+        let coordinates = oracle.mechanism.coordinates.iter().zip(&spread);
+        let q: Vec<f64> = coordinates.map(|(c, s)| start(c.start) + s * noise.next()).collect();
+        let v = spread.iter().map(|s| 5.0 * s * noise.next()).collect();
+        let rest = oracle.lengths(&q).iter().map(|x| x * (0.9 + 0.1 * noise.next())).collect();
+        let inputs = oracle.mechanism.inputs.iter().map(|_| noise.next()).collect();
+        Place { q, v, rest, inputs }
+    }
+    pub(crate) fn at(&self) -> At<'_, f64> {
+        At { q: &self.q, v: &self.v, t: 0.3, rest: &self.rest, inputs: &self.inputs }
+    }
 }
