@@ -37,6 +37,10 @@ pub trait Naming {
     fn index(&self, array: &str, index: usize) -> TokenStream;
     /// The type of an array argument without reference, e.g. `[f64; COORDINATES]`.
     fn array_type(&self, array: &str) -> TokenStream;
+    /// Whether the code is generic over the lane type `L`, its constants in a table.
+    fn over_lanes(&self) -> bool {
+        false
+    }
 }
 
 /// An argument of an emitted function; its name is the same wherever it is passed on.
@@ -89,6 +93,7 @@ pub fn place_of(leaf: Leaf) -> (&'static str, Option<usize>) {
         Leaf::Value(i) => ("values", i),
         Leaf::Lambda(i) => ("lambda", i),
         Leaf::Length(i) => ("lengths", i),
+        Leaf::Constant(i) => ("constants", i),
     };
     (name, Some(index as usize))
 }
@@ -121,8 +126,8 @@ pub const MATH: [&str; 23] = [
 ];
 
 /// The order of arguments.
-const ORDER: [&str; 10] =
-    ["q", "v", "t", "h", "rest", "inputs", "params", "values", "lambda", "lengths"];
+const ORDER: [&str; 11] =
+    ["q", "v", "t", "h", "rest", "inputs", "params", "values", "lambda", "lengths", "constants"];
 
 impl Function {
     /// Emits the function.
@@ -132,7 +137,8 @@ impl Function {
         let statements = &code.statements;
         let cut = cut(statements, self.longest);
         let names = self.names(naming, &plan, statements, &code.made_for);
-        let mut printer = Printer::new(&names);
+        let lanes = naming.over_lanes();
+        let mut printer = Printer::new(&names, lanes);
         let arguments = self.arguments(statements);
         let operations = Operations::of(statements);
         let docs = self.doc.iter().map(String::as_str).map(doc_line);
@@ -141,9 +147,11 @@ impl Function {
         let name = identifier(&self.name);
         let signature = signature(&arguments, naming);
         let value = self.returns().then(|| quote!(-> f64));
+        let generics = lanes.then(|| quote!(<L: Lane>));
+        let inline = lanes.then(|| quote!(#[inline(always)]));
         let tokens = if let [part] = &cut.parts[..] {
             let body = self.body(naming, statements, part, &mut printer);
-            quote!(#header pub fn #name(#signature) #value { #body })
+            quote!(#header #inline pub fn #name #generics(#signature) #value { #body })
         } else {
             let size = integer(cut.workspace);
             let mut calls = Vec::new();
@@ -152,8 +160,9 @@ impl Function {
                 let part_name = format_ident!("{}_part_{}", name, number + 1);
                 let arguments = self.arguments(&statements[part.statements.clone()]);
                 let passed = arguments.iter().map(|a| identifier(a.name));
+                let element = element(naming);
                 let signature =
-                    signature_with(&arguments, naming, &quote!(work: &mut [f64; #size]));
+                    signature_with(&arguments, naming, &quote!(work: &mut [#element; #size]));
                 let body = self.body(naming, statements, part, &mut printer);
                 let is_last = number + 1 == cut.parts.len();
                 let value = value.as_ref().filter(|_| is_last);
@@ -161,13 +170,17 @@ impl Function {
                 calls.push(quote!(#part_name(#(#passed,)* &mut work) #end));
                 parts.push(quote! {
                     #[inline(never)]
-                    fn #part_name(#signature) #value { #body }
+                    fn #part_name #generics(#signature) #value { #body }
                 });
             }
+            let zero = match lanes {
+                true => quote!(L::splat(0.0)),
+                false => quote!(0.0),
+            };
             quote! {
                 #header
-                pub fn #name(#signature) #value {
-                    let mut work = [0.0; #size];
+                pub fn #name #generics(#signature) #value {
+                    let mut work = [#zero; #size];
                     #(#calls)*
                 }
                 #(#parts)*
@@ -276,7 +289,21 @@ impl Function {
             });
         }
         let mut body = TokenStream::new();
+        let last = leaves.iter().filter_map(|leaf| match leaf {
+            Leaf::Constant(index) => Some(*index as usize),
+            _ => None,
+        });
+        if let Some(last) = last.max() {
+            // One check of the length for all constants.
+            let count = integer(last + 1);
+            body.extend(quote!(let constants = &constants[..#count * L::WIDTH];));
+        }
         for leaf in leaves {
+            if let Leaf::Constant(index) = leaf {
+                let (name, index) = (printer.leaf(leaf), integer(index as usize));
+                body.extend(quote!(let #name = L::load(&constants[#index * L::WIDTH..]);));
+                continue;
+            }
             if let (array, Some(index)) = place_of(leaf) {
                 let name = printer.leaf(leaf);
                 let (index, array) = (naming.index(array, index), identifier(array));
@@ -320,6 +347,11 @@ fn angle_label(symbol: Sym, leaves: &BTreeMap<Leaf, String>) -> Option<String> {
     Some(format!("{}_{name}", if function == Unary::Sin { "sin" } else { "cos" }))
 }
 
+/// What arrays hold.
+fn element(naming: &dyn Naming) -> TokenStream {
+    if naming.over_lanes() { quote!(L) } else { quote!(f64) }
+}
+
 /// A line of documentation.
 pub fn doc_line(text: &str) -> TokenStream {
     let text = if text.is_empty() { String::new() } else { format!(" {text}") };
@@ -334,7 +366,10 @@ fn signature_with(arguments: &[Argument], naming: &dyn Naming, last: &TokenStrea
     let arguments = arguments.iter().map(|argument| {
         let name: Ident = identifier(argument.name);
         match (argument.name, argument.is_output) {
-            ("t" | "h", _) => quote!(#name: f64,),
+            ("t" | "h", _) => {
+                let element = element(naming);
+                quote!(#name: #element,)
+            }
             (array, false) => {
                 let of = naming.array_type(array);
                 quote!(#name: &#of,)

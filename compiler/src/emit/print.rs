@@ -21,6 +21,7 @@ pub struct Names {
 #[derive(Debug)]
 pub struct Printer<'a> {
     names: &'a Names,
+    over_lanes: bool,
     /// Names of the functions called.
     pub functions: BTreeSet<&'static str>,
 }
@@ -40,9 +41,9 @@ pub fn identifier(text: &str) -> Ident {
 }
 
 impl<'a> Printer<'a> {
-    /// A printer that uses `names`.
-    pub fn new(names: &'a Names) -> Self {
-        Printer { names, functions: BTreeSet::new() }
+    /// A printer that uses `names`; code over lanes wraps its constants.
+    pub fn new(names: &'a Names, over_lanes: bool) -> Self {
+        Printer { names, over_lanes, functions: BTreeSet::new() }
     }
 
     /// The name of an unknown.
@@ -98,6 +99,10 @@ impl<'a> Printer<'a> {
     fn expression(&mut self, expression: &Expression) -> (TokenStream, Binding) {
         let atom = |tokens| (tokens, Binding::Atom);
         match expression {
+            Expression::Constant(value) if self.over_lanes => {
+                let value = number(*value);
+                atom(quote!(L::splat(#value)))
+            }
             Expression::Constant(value) => {
                 let negative = value.is_sign_negative() && !value.is_nan();
                 (number(*value), if negative { Binding::Negation } else { Binding::Atom })

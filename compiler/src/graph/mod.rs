@@ -34,5 +34,5 @@ pub use evaluate::evaluate;
 pub use node::{Binary, Leaf, Node, Unary};
 pub use origin::{Origin, label_of, origin_of, with_origin};
 pub use program::{leaf, leaves, reachable, to_program, variable};
-pub use substitute::substitute;
+pub use substitute::{rebuild_binary, rebuild_unary, substitute};
 pub use symbol::Sym;

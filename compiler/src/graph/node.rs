@@ -24,6 +24,8 @@ pub enum Leaf {
     Lambda(u32),
     /// A number that depends on parameters alone, kept by index.
     Value(u32),
+    /// An entry of the table of constants by which like blocks differ.
+    Constant(u32),
     /// The length of a strand by index (m), opaque: for expressions that mention it.
     Length(u32),
 }

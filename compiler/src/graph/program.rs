@@ -36,7 +36,7 @@ pub fn leaves(outputs: &[Sym]) -> Vec<Leaf> {
     found
 }
 
-/// The variable of a leaf; natural lengths and the step have none.
+/// The variable of a leaf; natural lengths, the step and tables of constants have none.
 pub fn variable(leaf: Leaf) -> Option<Variable> {
     Some(match leaf {
         Leaf::Q(i) => Variable::Coordinate(i),
@@ -46,7 +46,7 @@ pub fn variable(leaf: Leaf) -> Option<Variable> {
         Leaf::Time => Variable::Time,
         Leaf::Lambda(i) => Variable::Multiplier(i),
         Leaf::Length(i) => Variable::Length(i),
-        Leaf::Rest(_) | Leaf::Step | Leaf::Value(_) => return None,
+        Leaf::Rest(_) | Leaf::Step | Leaf::Value(_) | Leaf::Constant(_) => return None,
     })
 }
 

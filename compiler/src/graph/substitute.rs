@@ -32,12 +32,13 @@ fn rebuild(symbol: Sym, of: impl Fn(Sym) -> Sym) -> Sym {
         Node::Select(comparison, [left, right, then, otherwise]) => {
             Sym::select(comparison, of(left), of(right), of(then), of(otherwise))
         }
-        Node::Unary(function, a) => unary(function, of(a)),
-        Node::Binary(function, a, b) => binary(function, of(a), of(b)),
+        Node::Unary(function, a) => rebuild_unary(function, of(a)),
+        Node::Binary(function, a, b) => rebuild_binary(function, of(a), of(b)),
     }
 }
 
-fn unary(function: Unary, a: Sym) -> Sym {
+/// The function of one operand.
+pub fn rebuild_unary(function: Unary, a: Sym) -> Sym {
     match function {
         Unary::Neg => -a,
         Unary::Recip => a.recip(),
@@ -55,7 +56,8 @@ fn unary(function: Unary, a: Sym) -> Sym {
     }
 }
 
-fn binary(function: Binary, a: Sym, b: Sym) -> Sym {
+/// The function of two operands.
+pub fn rebuild_binary(function: Binary, a: Sym, b: Sym) -> Sym {
     match function {
         Binary::Add => a + b,
         Binary::Sub => a - b,

@@ -12,10 +12,10 @@ use std::collections::{HashMap, HashSet};
 
 /// Replaces nodes of parameters alone in all `tasks` and `numbers` by values, adds the task that
 /// computes them, and returns how many there are.
-pub(super) fn hoist(tasks: &mut Vec<Task>, numbers: &mut [Vec<Sym>]) -> usize {
+pub(super) fn hoist(tasks: &mut Vec<Task>, mut numbers: Vec<&mut Vec<Sym>>) -> usize {
     let mut roots: Vec<Sym> =
         tasks.iter().flat_map(|task| task.outputs.iter().map(|output| output.value)).collect();
-    roots.extend(numbers.iter().flatten());
+    roots.extend(numbers.iter().flat_map(|list| list.iter()));
     let hoisted = frontier(&roots);
     let values: Vec<Sym> =
         (0..hoisted.len()).map(|index| Sym::leaf(Leaf::Value(index as u32))).collect();
@@ -25,7 +25,9 @@ pub(super) fn hoist(tasks: &mut Vec<Task>, numbers: &mut [Vec<Sym>]) -> usize {
     }
     let mut replaced = substitute(&roots, &replacements).into_iter();
     let outputs = tasks.iter_mut().flat_map(|task| &mut task.outputs);
-    let places = outputs.map(|output| &mut output.value).chain(numbers.iter_mut().flatten());
+    let places = outputs
+        .map(|output| &mut output.value)
+        .chain(numbers.iter_mut().flat_map(|list| list.iter_mut()));
     for (place, new) in places.zip(&mut replaced) {
         *place = new;
     }

@@ -5,6 +5,7 @@ use super::{Module, Task};
 use crate::emit::{Output, Place};
 use crate::graph::{Leaf, Sym};
 use handc_core::scalar::Scalar;
+use handc_runtime::structure::Structure;
 
 /// The results of a kernel as outputs to `array`, labelled by `label`; zeros are left out where the
 /// caller's array is known to be clear.
@@ -34,17 +35,17 @@ fn sentence(opening: &str, items: Vec<String>) -> Option<String> {
     (!items.is_empty()).then(|| format!("{opening}: {}.", items.join(", ")))
 }
 
-/// All kernels.
+/// Kernels of the whole model.
 pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
-    let mut tasks = blocks(symbols);
-    tasks.extend(strands(symbols));
+    let mut tasks = strands(symbols);
     tasks.extend(constraints(symbols));
     tasks.push(potential(symbols));
     tasks.push(frames(symbols));
     tasks
 }
 
-fn blocks(symbols: &Symbols) -> Vec<Task> {
+/// Those of every block, by number.
+pub(super) fn blocks(symbols: &Symbols) -> Vec<Task> {
     let structure = symbols.structure;
     let (mechanics, at) = (symbols.mechanics(), symbols.at());
     let mut workspace = symbols.workspace();
@@ -55,6 +56,8 @@ fn blocks(symbols: &Symbols) -> Vec<Task> {
     let step = Sym::leaf(Leaf::Step);
     mechanics.evaluate(&mut workspace, &at, &mut momentum, &mut force, Some((step, &mut matrix)));
     mechanics.mass_matrix(&mut workspace, &symbols.q, &mut mass);
+    let mut lengths = zeros(symbols.mechanism.strands.len());
+    mechanics.strand_lengths(&mut workspace, &symbols.q, &mut lengths);
     let name = |coordinate: usize| symbols.mechanism.coordinates[coordinate].name.clone();
     let mut tasks = Vec::new();
     for (number, block) in structure.blocks.iter().enumerate() {
@@ -90,8 +93,22 @@ fn blocks(symbols: &Symbols) -> Vec<Task> {
             all,
         ));
         tasks.push(task("mass_matrix", "Mass matrix M = ∂²L/∂v².", packed("matrix", &mass)));
+        let own = (0..lengths.len())
+            .filter(|&strand| block_of_strand(structure, strand) == Some(number))
+            .map(|strand| (strand, lengths[strand]));
+        tasks.push(task(
+            "lengths",
+            "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).",
+            outputs("lengths", own, true, |strand| symbols.mechanism.strands[strand].name.clone()),
+        ));
     }
     tasks
+}
+
+/// The block whose coordinates a strand spans; `None` if all of them are kinematic.
+fn block_of_strand(structure: &Structure, strand: usize) -> Option<usize> {
+    let coordinates = &structure.strands[strand].coordinates;
+    coordinates.iter().find_map(|&c| structure.slots[c].map(|(block, _)| block))
 }
 
 /// What acts in a block, with source lines.
@@ -150,6 +167,9 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
     let list: Vec<String> = mechanism.strands.iter().map(|s| cited(&s.name, &s.source)).collect();
     let about: Vec<String> =
         sentence("Strands", list).into_iter().flat_map(|line| [String::new(), line]).collect();
+    let outside = (0..strands)
+        .filter(|&s| block_of_strand(symbols.structure, s).is_none())
+        .map(|s| (s, lengths[s]));
     let task = |name, opening: &str, outputs| Task {
         module: Module::Strands,
         name,
@@ -159,8 +179,8 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
     vec![
         task(
             "lengths",
-            "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of all strands (m).",
-            outputs("lengths", lengths.into_iter().enumerate(), true, name),
+            "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of strands that span no block (m).",
+            outputs("lengths", outside, true, name),
         ),
         task(
             "moment_arms",

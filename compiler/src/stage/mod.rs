@@ -5,23 +5,29 @@
 //! parameters alone so that it is computed when they change and not in every step. The result is a
 //! list of [`Task`]s, each one function to be, in the module where a reader would look for it.
 
+mod harmony;
 mod hoist;
 mod kernels;
 mod labels;
+mod shapes;
 mod symbols;
 #[cfg(test)]
 pub(crate) mod tests;
 mod time;
 
 use crate::emit::Output;
+use crate::graph::{Leaf, Sym};
+use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Mechanism;
 use handc_runtime::structure::Structure;
+pub use shapes::{BlockPlace, Shape, shared};
+use std::collections::HashMap;
 pub use symbols::Symbols;
 
 /// Where a function stands in the generated crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Module {
-    /// Momentum, force, Newton matrix and mass matrix of one block, by number.
+    /// Momentum, force, matrices and strand lengths of like blocks, by number of their shape.
     Block(usize),
     /// Lengths and moment arms.
     Strands,
@@ -57,6 +63,8 @@ pub struct Task {
 pub struct Staged {
     /// Functions in order of their modules; those without results are left out.
     pub tasks: Vec<Task>,
+    /// Like blocks.
+    pub shapes: Vec<Shape>,
     /// How many numbers follow from parameters.
     pub values: usize,
     /// Numbers of each scenario that may depend on parameters, in the order of
@@ -70,12 +78,33 @@ pub use time::scenario_numbers;
 pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
     let symbols = Symbols::new(mechanism, structure);
     labels::prepare(mechanism, &symbols);
-    let mut tasks = kernels::tasks(&symbols);
+    let (mut shapes, mut tasks) = blocks(mechanism, &symbols);
+    tasks.extend(kernels::tasks(&symbols));
     tasks.extend(time::tasks(&symbols));
     let mut scenario_numbers: Vec<Vec<_>> =
         mechanism.scenarios.iter().map(|s| time::numbers(&symbols, s)).collect();
-    let values = hoist::hoist(&mut tasks, &mut scenario_numbers);
+    let tables = shapes.iter_mut().flat_map(|shape| &mut shape.constants);
+    let values = hoist::hoist(&mut tasks, scenario_numbers.iter_mut().chain(tables).collect());
     tasks.retain(|task| !task.outputs.is_empty());
     tasks.sort_by_key(|task| task.module);
-    Staged { tasks, values, scenario_numbers }
+    Staged { tasks, shapes, values, scenario_numbers }
+}
+
+/// The equations of all blocks, like ones merged.
+fn blocks(mechanism: &Mechanism, symbols: &Symbols) -> (Vec<Shape>, Vec<Task>) {
+    let structure = symbols.structure;
+    let tasks = kernels::blocks(symbols);
+    let Some(harmony) = harmony::harmonise(mechanism, structure) else {
+        return shapes::merge(&tasks, &tasks, &HashMap::new(), structure);
+    };
+    let alike = Structure::new(&harmony.mechanism);
+    if alike.blocks != structure.blocks {
+        return shapes::merge(&tasks, &tasks, &HashMap::new(), structure);
+    }
+    let symbols = Symbols::new(&harmony.mechanism, &alike);
+    labels::prepare(&harmony.mechanism, &symbols);
+    let first = mechanism.params.len() as u32;
+    let unknown = |(k, &value)| (Sym::leaf(Leaf::Param(first + k as u32)), Sym::constant(value));
+    let unknowns = harmony.added.iter().enumerate().map(unknown).collect();
+    shapes::merge(&tasks, &kernels::blocks(&symbols), &unknowns, structure)
 }

@@ -5,6 +5,7 @@
 //! are indexed by the coordinate's position in the model, kinematic ones included, so that one
 //! index means one thing everywhere. Matrices are packed by [`Block`](crate::layout::Block).
 
+use crate::lanes::LaneStep;
 use crate::layout::{Layout, ScenarioLayout};
 use std::sync::Arc;
 
@@ -114,6 +115,21 @@ pub trait Model {
 
     /// Values of the scenario's records, in order.
     fn scenario_records(&mut self, scenario: usize, at: &Instant, values: &mut [f64]);
+
+    /// A stamp of the parameters: no two sets of them, in this model or another of its kind, bear
+    /// the same.
+    fn revision(&self) -> u64 {
+        0
+    }
+
+    /// Takes a step of several runs, each with its own parameters, on the lanes of vectors. A model
+    /// without like blocks written for lanes does nothing, and its runs step one by one.
+    fn step_on_lanes(_models: &[&Self], _step: &mut LaneStep) -> bool
+    where
+        Self: Sized,
+    {
+        false
+    }
 
     /// The names and shape of a scenario.
     fn scenario_layout(&self, scenario: usize) -> &ScenarioLayout {

@@ -10,6 +10,7 @@
 //! foretold the motion best, so that a smooth motion needs one iteration.
 
 use crate::error::{StepError, StepErrorKind};
+use crate::lanes::{LaneConstants, LaneRun, LaneStep};
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::{Midpoint, Model};
 use crate::solve::BlockSystem;
@@ -19,15 +20,15 @@ const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
 /// Residuals below this many units of rounding of the coordinates, seen through the Newton matrix,
 /// are converged. Below one, because the unknown is the increment: rounding of the coordinates
 /// enters through the forces alone.
-const FLOOR: f64 = 0.3 * f64::EPSILON;
+pub(crate) const FLOOR: f64 = 0.3 * f64::EPSILON;
 /// A Newton correction below this, relative to its coordinate, that hardly lowers the residual has
 /// reached the floor.
-const STAGNATION: f64 = 1e-12;
+pub(crate) const STAGNATION: f64 = 1e-12;
 /// Factors are used again as long as an iteration brings the residual below this part of it.
-const KEEP_FACTORS: f64 = 1e-2;
+pub(crate) const KEEP_FACTORS: f64 = 1e-2;
 /// A step may end with a correction that is not evaluated if it changes no impulse by more than this
 /// part of its tolerance.
-const LINEAR_END: f64 = 0.25;
+pub(crate) const LINEAR_END: f64 = 0.25;
 /// Highest degree of the polynomial through past configurations from which Newton starts.
 const DEGREES: usize = 4;
 /// Newton iterations per guess.
@@ -112,6 +113,9 @@ pub struct Stepper {
     guess_weight: Vec<f64>,
     /// Fading sum of the squares by which a guess of each degree has missed.
     missed: [f64; DEGREES],
+    /// Whether every block is free of constraints and of drives, so that lanes can take the step.
+    on_lanes: bool,
+    lane_constants: LaneConstants,
 }
 
 /// How an attempt from one guess ended.
@@ -168,6 +172,9 @@ impl Stepper {
             condition: f64::NAN,
             guess_weight,
             missed: [0.0; DEGREES],
+            on_lanes: layout.rows.is_empty()
+                && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
+            lane_constants: LaneConstants::default(),
         }
     }
 
@@ -178,6 +185,9 @@ impl Stepper {
         state: &mut State,
         around: &Surroundings,
     ) -> Result<(), StepError> {
+        if self.on_lanes && self.step_on_lanes(model, state, around) {
+            return Ok(());
+        }
         let before = self.iterations;
         if !self.lambda.is_empty() {
             model.constraint_jacobian(&state.q, state.t, &mut self.g0);
@@ -196,6 +206,58 @@ impl Stepper {
             }
         }
         Err(self.report(model, state, around, last, self.iterations - before))
+    }
+
+    /// Takes the step on lanes; `false` where the model or the machine has none, or where Newton's
+    /// method needs more than lanes can do together.
+    fn step_on_lanes<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &mut State,
+        around: &Surroundings,
+    ) -> bool {
+        self.guess(0, state, around);
+        let mut runs = [LaneRun {
+            q: &state.q,
+            p: &state.p,
+            rest: around.rest,
+            inputs: around.inputs,
+            t: 0.5 * (state.t + around.t1),
+            h: around.h,
+            tolerance: self.tolerance,
+            size: &self.floor_scale,
+            delta: &mut self.delta,
+            force: &mut self.force,
+            iterations: 0,
+            failed: false,
+        }];
+        let mut step = LaneStep::new(&mut runs, &[model.revision()], &mut self.lane_constants);
+        if !M::step_on_lanes(&[model], &mut step) {
+            self.on_lanes = false;
+            return false;
+        }
+        let [LaneRun { iterations, failed, .. }] = runs;
+        self.iterations += iterations;
+        if !failed {
+            self.accept_increment(state, around);
+        }
+        !failed
+    }
+
+    /// Puts the state at the end of the step, p1 = p0 + h·f.
+    fn accept_increment(&mut self, state: &mut State, around: &Surroundings) {
+        let h = around.h;
+        for i in 0..self.delta.len() {
+            state.q[i] += self.delta[i];
+            state.v[i] = self.delta[i] / h;
+            state.p[i] = if self.driven[i] { 0.0 } else { state.p[i] + h * self.force[i] };
+        }
+        for i in (0..self.delta.len()).filter(|&i| self.driven[i]) {
+            state.q[i] = around.driven_q[i];
+        }
+        self.learn(state);
+        state.t = around.t1;
+        state.step += 1;
     }
 
     fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {

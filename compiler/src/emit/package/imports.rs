@@ -46,6 +46,21 @@ pub(super) fn from(path: TokenStream, candidates: &[&str], tokens: &TokenStream)
     }
 }
 
+/// Imports of the equations of a shape.
+pub(super) fn of_equations(names: &Names, tokens: &TokenStream) -> TokenStream {
+    let lists = names.indices();
+    let mut local: Vec<&str> = lists.iter().flat_map(|list| [list.module, list.count]).collect();
+    local.extend(names.sizes.iter().map(|(name, _)| *name));
+    let local = from(quote!(crate::layout), &local, tokens);
+    let functions = from(quote!(handc_core::lane::functions), &MATH, tokens);
+    quote! {
+        #local
+        use handc_core::lane::Lane;
+        #functions
+        use handc_core::shape::{Local, Place, Shape};
+    }
+}
+
 /// Imports of straight-line code: named indices, array sizes, and mathematical functions.
 pub(super) fn of_functions(names: &Names, tokens: &TokenStream) -> TokenStream {
     let lists = names.indices();

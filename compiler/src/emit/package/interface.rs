@@ -1,10 +1,11 @@
 //! The generated `interface.rs`: the model as the integrator sees it.
 
+use super::blocks;
 use super::imports;
 use super::modules::{Placed, folder, path};
 use super::names::Names;
 use crate::emit::print::identifier;
-use crate::stage::Module;
+use crate::stage::{Module, Staged};
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -66,7 +67,7 @@ fn own() -> [(&'static str, TokenStream); 2] {
 }
 
 /// The module.
-pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
+pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
     let input = || quote!(&[f64]);
     let output = || quote!(&mut [f64]);
     let make = |function: &str,
@@ -88,27 +89,8 @@ pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
         let ident = identifier(from);
         (name, quote!(sized_mut(#ident)))
     };
-    let midpoint = || {
-        vec![
-            ("q", quote!(sized(at.q))),
-            ("v", quote!(sized(at.v))),
-            ("t", quote!(at.t)),
-            ("rest", quote!(sized(at.rest))),
-            ("inputs", quote!(sized(at.inputs))),
-            write("momentum", "momentum"),
-            write("force", "force"),
-            write("matrix", "matrix"),
-        ]
-    };
-    let in_block = |module| matches!(module, Module::Block(_));
     let f64 = || quote!(f64);
-    let at = ("at", quote!(&Midpoint));
-    let momentum = [at.clone(), ("momentum", output()), ("force", output())];
-    let with_matrix =
-        [at, ("h", f64()), ("momentum", output()), ("force", output()), ("matrix", output())];
     let methods = [
-        make("evaluate", "evaluate", &in_block, midpoint(), &momentum),
-        make("evaluate_with_matrix", "evaluate_with_matrix", &in_block, midpoint(), &with_matrix),
         make(
             "rows",
             "constraints",
@@ -122,20 +104,6 @@ pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
             &|m| m == Module::Constraints,
             vec![read("q"), write("jacobian", "jacobian")],
             &[("q", input()), ("t", f64()), ("jacobian", output())],
-        ),
-        make(
-            "mass_matrix",
-            "mass_matrix",
-            &in_block,
-            vec![read("q"), write("matrix", "matrix")],
-            &[("q", input()), ("matrix", output())],
-        ),
-        make(
-            "lengths",
-            "strand_lengths",
-            &|m| m == Module::Strands,
-            vec![read("q"), write("lengths", "lengths")],
-            &[("q", input()), ("lengths", output())],
         ),
         make(
             "inputs",
@@ -169,6 +137,7 @@ pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
     let potential = potential(names, functions);
     let scenarios = scenarios(names, functions);
     let model = &names.model;
+    let blocks = blocks(names, staged, functions);
     let rest = quote! {
         impl Model for #model {
             fn layout(&self) -> &Arc<Layout> {
@@ -181,6 +150,7 @@ pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
                 self.params[index] = value;
                 self.update();
             }
+            #blocks
             #(#methods)*
             #potential
             #scenarios
@@ -191,30 +161,80 @@ pub(super) fn module(names: &Names, functions: &[Placed]) -> TokenStream {
         &["Instant", "Midpoint", "Model", "ScenarioValues"],
         &rest,
     );
+    let lanes = imports::from(quote!(handc_core::lanes), &["LaneStep", "RUNS"], &rest);
     let arrays = imports::from(quote!(handc_core::array), &["sized", "sized_mut"], &rest);
     // Some methods are called like modules, so only modules that there are may be imported.
     let local: Vec<&str> = ["blocks", "constraints", "energy", "scenarios", "strands", "time"]
         .into_iter()
         .filter(|name| match *name {
             "scenarios" => names.scenarios.len() > 0,
+            "blocks" => !staged.shapes.is_empty(),
             name => functions.iter().any(|placed| folder(placed.module) == name),
         })
         .collect();
     let local = imports::from(quote!(crate), &local, &rest);
+    let types = imports::from(quote!(crate::blocks), &["Blocks"], &rest);
     let indices = imports::from(quote!(crate::layout), &["scenario"], &scenario_arms(&rest, names));
     quote! {
         //! The model as the integrator sees it.
 
         #local
+        #types
         use crate::#model;
         #indices
         #arrays
+        #lanes
         use handc_core::layout::Layout;
         #core
         use std::sync::Arc;
 
         #rest
     }
+}
+
+/// What is computed block by block.
+fn blocks(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
+    let (has, input, output) = (!staged.shapes.is_empty(), quote!(&[f64]), quote!(&mut [f64]));
+    let if_any = |body: TokenStream| if has { body } else { TokenStream::new() };
+    let at = ("at", quote!(&Midpoint));
+    let vectors = [at, ("momentum", output.clone()), ("force", output.clone())];
+    let mut all = vec![vectors[0].clone(), ("h", quote!(f64))];
+    all.extend(vectors[1..].iter().cloned());
+    all.push(("matrix", output.clone()));
+    let mut methods = vec![
+        method("evaluate", &vectors, &if_any(quote!(self.blocks.evaluate(at, momentum, force);))),
+        method(
+            "evaluate_with_matrix",
+            &all,
+            &if_any(quote!(self.blocks.evaluate_with_matrix(at, h, momentum, force, matrix);)),
+        ),
+        method(
+            "mass_matrix",
+            &[("q", input.clone()), ("matrix", output.clone())],
+            &if_any(quote!(self.blocks.mass_matrix(q, matrix);)),
+        ),
+    ];
+    let model = &names.model;
+    let lengths = match names.strands.len() {
+        0 => TokenStream::new(),
+        _ => quote!(*sized_mut(lengths) = #model::strand_lengths(self, sized(q));),
+    };
+    methods.push(method("strand_lengths", &[("q", input), ("lengths", output)], &lengths));
+    if has && blocks::has_lanes(names, functions) {
+        methods.push(quote! {
+            fn revision(&self) -> u64 {
+                self.revision
+            }
+            fn step_on_lanes(models: &[&Self], step: &mut LaneStep) -> bool {
+                let mut of = [&models[0].blocks; RUNS];
+                for (place, model) in of.iter_mut().zip(models) {
+                    *place = &model.blocks;
+                }
+                Blocks::step_on_lanes(&of, step)
+            }
+        });
+    }
+    methods.into_iter().collect()
 }
 
 /// The module of scenario indices is needed only where there are arms that name one.

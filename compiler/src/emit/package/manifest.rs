@@ -102,13 +102,7 @@ pub(super) fn folders(names: &Names, modules: &[Module]) -> Vec<(String, TokenSt
         (!own.is_empty())
             .then(|| (format!("{folder}/mod.rs"), quote!(#![doc = #doc] #(pub mod #own;)*)))
     };
-    [
-        list("blocks", "Blocks of the step equations: coordinates that a step couples."),
-        list("scenarios", "Scenarios of the model."),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    [list("scenarios", "Scenarios of the model.")].into_iter().flatten().collect()
 }
 
 /// `main.rs`.

@@ -4,6 +4,7 @@
 //! and [`parameters`] the model's names and shape, [`model`] the struct with what a user calls, and
 //! [`interface`] the same for the integrator; [`write`](mod@write) puts it all on disk.
 
+mod blocks;
 mod imports;
 mod interface;
 mod layout;
@@ -12,6 +13,7 @@ mod model;
 mod modules;
 mod names;
 mod parameters;
+mod shapes;
 mod spacing;
 #[cfg(test)]
 mod tests;
@@ -19,7 +21,7 @@ mod write;
 
 use super::count::Operations;
 use crate::graph;
-use crate::stage::{Module, stage};
+use crate::stage::{Module, Staged, stage};
 use handc_core::layout::Layout;
 use handc_runtime::interpreter::layout as layout_of;
 use handc_runtime::mechanism::Mechanism;
@@ -100,18 +102,22 @@ fn assemble(
 ) -> Result<Package, PackageError> {
     let staged = stage(mechanism, structure);
     let frames: Vec<String> = mechanism.frames.iter().map(|frame| frame.name.clone()).collect();
-    let names = names::Names::new(layout, &frames, staged.values);
+    let names = names::Names::new(layout, &frames, &staged);
     let functions = modules::functions(&staged, &names);
-    let modules = modules::modules(mechanism, &staged, &names, &functions);
+    let modules = modules::modules(mechanism, &staged, layout, &names, &functions);
     let list: Vec<Module> = modules.iter().map(|(module, _)| *module).collect();
     let mut sources: Vec<(String, TokenStream)> = vec![
         ("lib.rs".to_owned(), manifest::library(mechanism, &names, &list)),
         ("main.rs".to_owned(), manifest::runner(mechanism, &names)),
         ("layout.rs".to_owned(), layout::module(layout, &names)),
         ("parameters.rs".to_owned(), parameters::module(mechanism, &names)),
-        ("model.rs".to_owned(), model::module(mechanism, &names, &functions)),
-        ("interface.rs".to_owned(), interface::module(&names, &functions)),
+        ("model.rs".to_owned(), model::module(mechanism, &names, &staged, &functions)),
+        ("interface.rs".to_owned(), interface::module(&names, &staged, &functions)),
     ];
+    if !staged.shapes.is_empty() {
+        let module = blocks::module(&names, &staged, &functions);
+        sources.push(("blocks/mod.rs".to_owned(), module));
+    }
     sources.extend(manifest::folders(&names, &list));
     sources.extend(modules.into_iter().map(|(m, tokens)| (modules::file(m, &names), tokens)));
     let mut files =
@@ -126,11 +132,16 @@ fn assemble(
         );
         files.push(File { path: format!("src/{file}"), text });
     }
-    let report = report(&functions, &names, &files);
+    let report = report(&functions, &staged, &names, &files);
     Ok(Package { name: names.package, files, report })
 }
 
-fn report(functions: &[modules::Placed], names: &names::Names, files: &[File]) -> Report {
+fn report(
+    functions: &[modules::Placed],
+    staged: &Staged,
+    names: &names::Names,
+    files: &[File],
+) -> Report {
     let mut report = Report {
         lines: files.iter().skip(1).map(|file| file.text.lines().count()).sum(),
         nodes: graph::node_count(),
@@ -140,10 +151,13 @@ fn report(functions: &[modules::Placed], names: &names::Names, files: &[File]) -
         let emitted = &placed.emitted;
         let file = modules::file(placed.module, names);
         report.functions.push((format!("{file}: {}", emitted.name), emitted.operations));
-        match emitted.name.as_str() {
-            "evaluate" => report.evaluate += emitted.operations,
-            "evaluate_with_matrix" => report.evaluate_with_matrix += emitted.operations,
-            _ => {}
+        let Module::Block(number) = placed.module else { continue };
+        for _ in &staged.shapes[number].places {
+            match emitted.name.as_str() {
+                "evaluate" => report.evaluate += emitted.operations,
+                "evaluate_with_matrix" => report.evaluate_with_matrix += emitted.operations,
+                _ => {}
+            }
         }
     }
     report

@@ -5,13 +5,18 @@ use super::modules::{Placed, path};
 use super::names::Names;
 use crate::emit::function::doc_line;
 use crate::emit::print::identifier;
-use crate::stage::Module;
+use crate::stage::{Module, Staged};
 use handc_runtime::mechanism::Mechanism;
 use proc_macro2::TokenStream;
 use quote::quote;
 
 /// The module.
-pub(super) fn module(mechanism: &Mechanism, names: &Names, functions: &[Placed]) -> TokenStream {
+pub(super) fn module(
+    mechanism: &Mechanism,
+    names: &Names,
+    staged: &Staged,
+    functions: &[Placed],
+) -> TokenStream {
     let model = &names.model;
     let doc: Vec<_> = match mechanism.doc.is_empty() {
         true => vec![doc_line(&format!("The model `{}`.", mechanism.name))],
@@ -28,7 +33,17 @@ pub(super) fn module(mechanism: &Mechanism, names: &Names, functions: &[Placed])
         }
         None => TokenStream::new(),
     };
-    let strands = strands(names, functions);
+    let has_blocks = !staged.shapes.is_empty();
+    let blocks_field = has_blocks.then(|| quote!(pub(crate) blocks: Blocks,));
+    let blocks_made = has_blocks.then(|| quote!(blocks: Blocks::new(&params, &values),));
+    let blocks_update =
+        has_blocks.then(|| quote!(self.blocks = Blocks::new(&self.params, &self.values);));
+    let use_blocks = has_blocks.then(|| {
+        quote!(
+            use crate::blocks::Blocks;
+        )
+    });
+    let strands = strands(names, has_blocks, functions);
     let frames = frames(names, functions);
     let body = quote! {
         #(#doc)*
@@ -37,6 +52,9 @@ pub(super) fn module(mechanism: &Mechanism, names: &Names, functions: &[Placed])
             pub(crate) layout: Arc<Layout>,
             pub(crate) params: [f64; PARAMETERS],
             pub(crate) values: [f64; VALUES],
+            #blocks_field
+            /// A stamp of the parameters.
+            pub(crate) revision: u64,
         }
 
         impl Default for #model {
@@ -53,10 +71,14 @@ pub(super) fn module(mechanism: &Mechanism, names: &Names, functions: &[Placed])
 
             /// The model with other parameters.
             pub fn with_params(params: Params) -> Self {
+                let params = params.to_array();
+                let values = [0.0; VALUES];
                 let mut model = Self {
                     layout: Arc::new(layout()),
-                    params: params.to_array(),
-                    values: [0.0; VALUES],
+                    #blocks_made
+                    params,
+                    values,
+                    revision: 0,
                 };
                 model.update();
                 model
@@ -148,6 +170,8 @@ pub(super) fn module(mechanism: &Mechanism, names: &Names, functions: &[Placed])
             /// Works out again what follows from the parameters.
             pub(crate) fn update(&mut self) {
                 #update
+                #blocks_update
+                self.revision = next_revision();
             }
         }
     };
@@ -174,12 +198,14 @@ pub(super) fn module(mechanism: &Mechanism, names: &Names, functions: &[Placed])
     quote! {
         //! The model and what can be asked of it.
 
+        #use_blocks
         #local
         #local_values
         #types
         #counts
         use crate::parameters::{Inputs, Params};
         use handc_core::error::{RunError, StepError};
+        use handc_core::lanes::next_revision;
         use handc_core::layout::Layout;
         use handc_core::model::{Midpoint, Model};
         use handc_core::simulation::{Settings, Simulation};
@@ -217,16 +243,22 @@ fn by_q(
     (q, quote!(#params #values let #array = &mut #array; #call;))
 }
 
-fn strands(names: &Names, functions: &[Placed]) -> TokenStream {
+fn strands(names: &Names, has_blocks: bool, functions: &[Placed]) -> TokenStream {
     if names.strands.len() == 0 {
         return TokenStream::new();
     }
-    let (q, lengths) = by_q(names, functions, (Module::Strands, "lengths"), "lengths");
+    let (mut q, outside) = by_q(names, functions, (Module::Strands, "lengths"), "lengths");
+    let outside = (!outside.is_empty()).then(|| quote!({ #outside }));
+    let of_blocks = has_blocks.then(|| {
+        q = quote!(q);
+        quote!(self.blocks.lengths(q, &mut lengths);)
+    });
     let lengths = quote! {
         /// Lengths of all strands (m).
         pub fn strand_lengths(&self, #q: &[f64; COORDINATES]) -> [f64; STRANDS] {
             let mut lengths = [0.0; STRANDS];
-            { #lengths }
+            #outside
+            #of_blocks
             lengths
         }
     };

@@ -2,11 +2,13 @@
 
 use super::imports;
 use super::names::Names;
+use super::shapes::{self, ShapeNames};
 use crate::emit::function::{Emitted, Function, LONGEST_FUNCTION, doc_line};
 use crate::emit::literal::{integer, number};
 use crate::emit::print::identifier;
 use crate::graph::{Leaf, Node, Sym, Unary, node};
 use crate::stage::{Module, Staged};
+use handc_core::layout::Layout;
 use handc_runtime::mechanism::{Mechanism, Scenario};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -30,7 +32,13 @@ pub(super) fn functions(staged: &Staged, names: &Names) -> Vec<Placed> {
                 outputs: task.outputs.clone(),
                 longest: LONGEST_FUNCTION,
             };
-            Placed { module: task.module, emitted: function.emit(names) }
+            let emitted = match task.module {
+                Module::Block(number) => {
+                    function.emit(&ShapeNames { names, shape: &staged.shapes[number] })
+                }
+                _ => function.emit(names),
+            };
+            Placed { module: task.module, emitted }
         })
         .collect()
 }
@@ -53,7 +61,7 @@ pub(super) fn folder(module: Module) -> &'static str {
 pub(super) fn path(module: Module, names: &Names) -> TokenStream {
     let folder = identifier(folder(module));
     let inner = match module {
-        Module::Block(index) => &names.blocks[index],
+        Module::Block(index) => &names.shapes[index],
         Module::Scenario(index) => &names.scenario_modules[index],
         _ => return quote!(#folder::),
     };
@@ -67,11 +75,9 @@ pub(super) fn file(module: Module, names: &Names) -> String {
         .replace("::", "/")
 }
 
-fn opening(module: Module, mechanism: &Mechanism, names: &Names) -> String {
+fn opening(module: Module, mechanism: &Mechanism, staged: &Staged, names: &Names) -> String {
     match module {
-        Module::Block(index) => {
-            format!("Block `{}` of the step equations.", names.blocks[index])
-        }
+        Module::Block(index) => shapes::opening(&staged.shapes[index], &names.blocks),
         Module::Scenario(index) => {
             let scenario = &mechanism.scenarios[index];
             format!("Scenario `{}`.", scenario.name)
@@ -89,6 +95,7 @@ fn opening(module: Module, mechanism: &Mechanism, names: &Names) -> String {
 pub(super) fn modules(
     mechanism: &Mechanism,
     staged: &Staged,
+    layout: &Layout,
     names: &Names,
     functions: &[Placed],
 ) -> Vec<(Module, TokenStream)> {
@@ -100,7 +107,7 @@ pub(super) fn modules(
         .map(|module| {
             let own = functions.iter().filter(|placed| placed.module == module);
             let mut body: TokenStream = own.map(|placed| placed.emitted.tokens.clone()).collect();
-            let mut doc = vec![opening(module, mechanism, names)];
+            let mut doc = vec![opening(module, mechanism, staged, names)];
             match module {
                 Module::Scenario(index) => {
                     let scenario = &mechanism.scenarios[index];
@@ -110,11 +117,18 @@ pub(super) fn modules(
                     }
                     body.extend(numbers(scenario, &staged.scenario_numbers[index], names));
                 }
+                Module::Block(number) => {
+                    let shape = &staged.shapes[number];
+                    body.extend(shapes::table(number, shape, layout, names, functions));
+                }
                 Module::Frames => body.extend(poses()),
                 _ => {}
             }
             let core = imports::from(quote!(handc_core::model), &["ScenarioValues"], &body);
-            let uses = imports::of_functions(names, &body);
+            let uses = match module {
+                Module::Block(_) => imports::of_equations(names, &body),
+                _ => imports::of_functions(names, &body),
+            };
             let docs = doc.iter().map(|line| {
                 let text = if line.is_empty() { String::new() } else { format!(" {line}") };
                 quote!(#![doc = #text])
@@ -150,7 +164,7 @@ fn poses() -> TokenStream {
 }
 
 /// A constant, a parameter or a value; hoisting has left nothing else.
-fn simple(symbol: Sym, names: &Names) -> TokenStream {
+pub(super) fn simple(symbol: Sym, names: &Names) -> TokenStream {
     use crate::emit::function::{Naming, place_of};
     match node(symbol) {
         Node::Constant(bits) => number(f64::from_bits(bits)),

@@ -5,6 +5,7 @@ use crate::emit::literal::integer;
 use crate::emit::name::{Taken, camel, snake, upper};
 use crate::emit::print::identifier;
 use crate::graph::Leaf;
+use crate::stage::Staged;
 use handc_core::layout::Layout;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -128,8 +129,10 @@ pub(super) struct Names {
     pub(super) frames: Indices,
     /// Scenarios.
     pub(super) scenarios: Indices,
-    /// Modules of the blocks.
+    /// Blocks.
     pub(super) blocks: Vec<String>,
+    /// Modules of the shapes, named after the first block of each.
+    pub(super) shapes: Vec<String>,
     /// Modules of the scenarios.
     pub(super) scenario_modules: Vec<String>,
     /// Fields of `Params`.
@@ -146,8 +149,9 @@ fn unique(names: impl Iterator<Item = String>) -> Vec<String> {
 }
 
 impl Names {
-    /// Names everything in a layout, and `frames` and `values` besides.
-    pub(super) fn new(layout: &Layout, frames: &[String], values: usize) -> Self {
+    /// Names everything in a layout, and frames and shapes besides.
+    pub(super) fn new(layout: &Layout, frames: &[String], staged: &Staged) -> Self {
+        let blocks = block_names(layout);
         let reserved = |name: &str| RESERVED_CRATES.contains(&name);
         let package = if reserved(&layout.name) || !Taken::is_legal(&layout.name) {
             format!("{}_model", layout.name)
@@ -176,7 +180,8 @@ impl Names {
             rows: Indices::new("row", "ROWS", "constraint row", rows),
             frames: Indices::new("frame", "FRAMES", "frame", frames),
             scenarios: Indices::new("scenario", "SCENARIOS", "scenario", scenarios()),
-            blocks: block_names(layout),
+            shapes: staged.shapes.iter().map(|s| blocks[s.places[0].block].clone()).collect(),
+            blocks,
             scenario_modules: unique(scenarios()),
             param_fields: unique(params()),
             input_fields: unique(inputs()),
@@ -187,7 +192,7 @@ impl Names {
             ("JACOBIAN", layout.constraint_size()),
             ("ARMS", names.strands.len() * names.coordinates.len()),
             ("POSES", 12 * names.frames.len()),
-            ("VALUES", values),
+            ("VALUES", staged.values),
         ];
         Names { sizes, ..names }
     }
@@ -257,6 +262,7 @@ impl Naming for Names {
             Leaf::Input(i) => self.inputs.originals[i as usize].clone(),
             Leaf::Lambda(i) => format!("lambda_{}", self.rows.originals[i as usize]),
             Leaf::Value(i) => format!("value_{i}"),
+            Leaf::Constant(i) => format!("c_{i}"),
             Leaf::Time => "t".to_owned(),
             Leaf::Step => "h".to_owned(),
         }

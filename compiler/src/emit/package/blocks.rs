@@ -1,0 +1,130 @@
+//! The generated `blocks/mod.rs`: all blocks together, with their constants.
+
+use super::imports;
+use super::modules::Placed;
+use super::names::Names;
+use super::shapes::sizes;
+use crate::emit::literal::integer;
+use crate::emit::print::identifier;
+use crate::stage::{Module, Shape, Staged};
+use proc_macro2::{Ident, TokenStream};
+use quote::quote;
+
+/// Whether a step can be taken on lanes: no constraints, no equations cut into parts.
+pub(super) fn has_lanes(names: &Names, functions: &[Placed]) -> bool {
+    let mut blocks =
+        functions.iter().filter(|p| matches!(p.module, Module::Block(_))).map(|p| &p.emitted);
+    names.rows.len() == 0 && blocks.all(|emitted| emitted.parts == 1)
+}
+
+/// `Equations` of a shape with its first two sizes, or with all.
+fn equations(module: &Ident, shape: &Shape, count: usize) -> TokenStream {
+    let sizes = sizes(shape).into_iter().take(count).map(integer);
+    quote!(#module::Equations, #(#sizes),*)
+}
+
+/// The module.
+pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
+    let modules: Vec<Ident> = names.shapes.iter().map(|name| identifier(name)).collect();
+    let shapes = || modules.iter().zip(&staged.shapes);
+    let fields = shapes().map(|(module, shape)| {
+        let (blocks, count) = (integer(shape.places.len()), integer(shape.constants[0].len()));
+        quote!(#module: [[f64; #count]; #blocks],)
+    });
+    let every = |call: &dyn Fn(TokenStream) -> TokenStream| -> TokenStream {
+        shapes()
+            .map(|(module, shape)| {
+                let call = call(equations(module, shape, 2));
+                quote! {
+                    for (place, constants) in #module::PLACES.iter().zip(&self.#module) {
+                        #call
+                    }
+                }
+            })
+            .collect()
+    };
+    let evaluate = every(&|of| quote!(place.evaluate::<#of>(at, constants, momentum, force);));
+    let with_matrix = every(&|of| {
+        quote! {
+            place.evaluate_with_matrix::<#of>(at, h, constants, momentum, force, matrix);
+        }
+    });
+    let mass = every(&|of| quote!(place.mass_matrix::<#of>(q, constants, matrix);));
+    let lengths = every(&|of| quote!(place.lengths::<#of>(q, constants, lengths);));
+    let on_lanes = has_lanes(names, functions).then(|| {
+        let calls = shapes().map(|(module, shape)| {
+            let of = equations(module, shape, 5);
+            quote! {
+                step.blocks::<#of>(&#module::PLACES, |run| of[run].#module.as_flattened());
+            }
+        });
+        quote! {
+            /// Takes a step of several runs, each with its own constants, on the lanes of vectors.
+            pub fn step_on_lanes(of: &[&Blocks], step: &mut LaneStep) -> bool {
+                #(#calls)*
+                step.is_complete()
+            }
+        }
+    });
+    let use_lanes = has_lanes(names, functions).then(|| {
+        quote!(
+            use handc_core::lanes::LaneStep;
+        )
+    });
+    let made = shapes().map(|(module, _)| quote!(#module: #module::constants(params, values),));
+    let body = quote! {
+        #(pub mod #modules;)*
+
+        /// Constants of all blocks.
+        #[derive(Clone, Debug)]
+        pub struct Blocks {
+            #(#fields)*
+        }
+
+        impl Blocks {
+            /// With the given parameters and what follows from them.
+            pub fn new(params: &[f64; PARAMETERS], values: &[f64; VALUES]) -> Self {
+                Self { #(#made)* }
+            }
+
+            /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
+            pub fn evaluate(&self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
+                #evaluate
+            }
+
+            /// As [`Blocks::evaluate`], and the Newton matrix, packed by block.
+            pub fn evaluate_with_matrix(
+                &self,
+                at: &Midpoint,
+                h: f64,
+                momentum: &mut [f64],
+                force: &mut [f64],
+                matrix: &mut [f64],
+            ) {
+                #with_matrix
+            }
+
+            /// Mass matrix, packed by block.
+            pub fn mass_matrix(&self, q: &[f64], matrix: &mut [f64]) {
+                #mass
+            }
+
+            /// Lengths of the strands that span a block (m).
+            pub fn lengths(&self, q: &[f64], lengths: &mut [f64]) {
+                #lengths
+            }
+
+            #on_lanes
+        }
+    };
+    let local = imports::from(quote!(crate::layout), &["PARAMETERS", "VALUES"], &body);
+    quote! {
+        //! Blocks of the step equations: coordinates that a step couples. Like blocks share one module.
+
+        #local
+        #use_lanes
+        use handc_core::model::Midpoint;
+
+        #body
+    }
+}

@@ -1,0 +1,204 @@
+//! The generated modules of like blocks: their equations over lanes, where each block's numbers
+//! stand, and its constants.
+
+use super::modules::{Placed, simple};
+use super::names::Names;
+use crate::emit::function::{Naming, doc_line};
+use crate::emit::literal::integer;
+use crate::emit::print::identifier;
+use crate::graph::Leaf;
+use crate::stage::{BlockPlace, Module, Shape, shared};
+use handc_core::layout::Layout;
+use proc_macro2::TokenStream;
+use quote::quote;
+
+/// Names inside the equations of a shape: those that its blocks have in common.
+pub(super) struct ShapeNames<'a> {
+    pub(super) names: &'a Names,
+    pub(super) shape: &'a Shape,
+}
+
+impl ShapeNames<'_> {
+    fn common(&self, originals: &[String], of: impl Fn(&BlockPlace) -> usize) -> String {
+        let all: Vec<&str> =
+            self.shape.places.iter().map(|place| originals[of(place)].as_str()).collect();
+        shared(&all)
+    }
+}
+
+impl Naming for ShapeNames<'_> {
+    fn label(&self, leaf: Leaf) -> String {
+        let names = self.names;
+        let coordinate =
+            |i: u32| self.common(&names.coordinates.originals, |p| p.coordinates[i as usize]);
+        match leaf {
+            Leaf::Q(i) => format!("q_{}", coordinate(i)),
+            Leaf::V(i) => format!("v_{}", coordinate(i)),
+            Leaf::Rest(i) => {
+                let strand = self.common(&names.strands.originals, |p| p.strands[i as usize]);
+                format!("rest_{strand}")
+            }
+            Leaf::Input(i) => self.common(&names.inputs.originals, |p| p.inputs[i as usize]),
+            Leaf::Constant(i) => format!("c_{i}"),
+            other => names.label(other),
+        }
+    }
+
+    fn index(&self, _array: &str, index: usize) -> TokenStream {
+        let index = integer(index);
+        quote!(#index)
+    }
+
+    fn array_type(&self, array: &str) -> TokenStream {
+        let place = &self.shape.places[0];
+        let unknowns = self.shape.unknowns;
+        let size = integer(match array {
+            "q" | "v" => place.coordinates.len(),
+            "rest" | "lengths" => place.strands.len(),
+            "inputs" => place.inputs.len(),
+            "constants" => return quote!([f64]),
+            "matrix" => unknowns * unknowns,
+            _ => unknowns,
+        });
+        quote!([L; #size])
+    }
+
+    fn over_lanes(&self) -> bool {
+        true
+    }
+}
+
+/// The five sizes of a shape: unknowns, matrix entries, coordinates, strands, inputs.
+pub(super) fn sizes(shape: &Shape) -> [usize; 5] {
+    let (n, place) = (shape.unknowns, &shape.places[0]);
+    [n, n * n, place.coordinates.len(), place.strands.len(), place.inputs.len()]
+}
+
+/// What opens the module, in prose.
+pub(super) fn opening(shape: &Shape, all: &[String]) -> String {
+    let list: Vec<String> =
+        shape.places.iter().map(|place| format!("`{}`", all[place.block])).collect();
+    match &list[..] {
+        [one] => format!("Block {one} of the step equations."),
+        [first, others @ ..] => format!(
+            "Blocks of the step equations: {first}, and {} which differ from it in constants alone.",
+            others.join(", ")
+        ),
+        [] => String::new(),
+    }
+}
+
+/// What follows the equations in the module of a shape.
+pub(super) fn table(
+    number: usize,
+    shape: &Shape,
+    layout: &Layout,
+    names: &Names,
+    functions: &[Placed],
+) -> TokenStream {
+    let [n, m, q, s, u] = sizes(shape).map(integer);
+    let (blocks, constants) = (integer(shape.places.len()), integer(shape.constants[0].len()));
+    let places = shape.places.iter().map(|place| {
+        let list = |of: &[usize]| {
+            let of = of.iter().map(|&index| integer(index));
+            quote!([#(#of),*])
+        };
+        let (coordinates, strands) = (list(&place.coordinates), list(&place.strands));
+        let inputs = list(&place.inputs);
+        let matrix = integer(layout.blocks[place.block].matrix_offset);
+        quote!(Place {
+            coordinates: #coordinates,
+            strands: #strands,
+            inputs: #inputs,
+            matrix: #matrix,
+        })
+    });
+    let rows = shape.constants.iter().map(|list| {
+        let entries = list.iter().map(|&constant| simple(constant, names));
+        quote!([#(#entries),*])
+    });
+    let rows = quote!([#(#rows),*]);
+    let mentioned = super::imports::mentioned(&rows);
+    let argument = |name: &str| match mentioned.contains(name) {
+        true => identifier(name),
+        false => identifier(&format!("_{name}")),
+    };
+    let (params, values) = (argument("params"), argument("values"));
+    let method = |name: &str, arguments: TokenStream, has_inputs: bool| {
+        method(number, functions, name, &arguments, has_inputs)
+    };
+    let local = quote!(at: &Local<L, #q, #s, #u>, constants: &[f64]);
+    let vectors = quote!(momentum: &mut [L; #n], force: &mut [L; #n]);
+    let evaluate = method("evaluate", quote!(#local, #vectors), true);
+    let with_matrix =
+        method("evaluate_with_matrix", quote!(#local, #vectors, matrix: &mut [L; #m]), true);
+    let mass =
+        method("mass_matrix", quote!(q: &[L; #q], constants: &[f64], matrix: &mut [L; #m]), false);
+    let lengths =
+        method("lengths", quote!(q: &[L; #q], constants: &[f64], lengths: &mut [L; #s]), false);
+    let places_doc = doc_line("Where the numbers of each block stand.");
+    let equations_doc = doc_line("The equations as the integrator sees them.");
+    let constants_doc = doc_line("Constants of each block.");
+    quote! {
+        #places_doc
+        pub static PLACES: [Place<#q, #s, #u>; #blocks] = [#(#places),*];
+
+        #constants_doc
+        pub fn constants(
+            #params: &[f64; PARAMETERS],
+            #values: &[f64; VALUES],
+        ) -> [[f64; #constants]; #blocks] {
+            #rows
+        }
+
+        #equations_doc
+        #[derive(Clone, Copy, Debug)]
+        pub struct Equations;
+
+        impl Shape<#n, #m, #q, #s, #u> for Equations {
+            const CONSTANTS: usize = #constants;
+
+            #evaluate
+            #with_matrix
+            #mass
+            #lengths
+        }
+    }
+}
+
+/// A method that calls the function of its name.
+fn method(
+    number: usize,
+    functions: &[Placed],
+    name: &str,
+    arguments: &TokenStream,
+    from_point: bool,
+) -> TokenStream {
+    let ident = identifier(name);
+    let found = functions
+        .iter()
+        .find(|placed| placed.module == Module::Block(number) && placed.emitted.name == name);
+    let Some(placed) = found else {
+        // Nothing to compute: every argument goes unread.
+        return quote! {
+            #[allow(unused_variables)]
+            #[inline(always)]
+            fn #ident<L: Lane>(#arguments) {}
+        };
+    };
+    let passed = placed.emitted.arguments.iter().map(|argument| {
+        let ident = identifier(argument.name);
+        match argument.name {
+            "q" | "v" | "rest" | "inputs" if from_point => quote!(&at.#ident),
+            "t" | "h" => quote!(at.#ident),
+            _ => quote!(#ident),
+        }
+    });
+    quote! {
+        #[allow(unused_variables)]
+        #[inline(always)]
+        fn #ident<L: Lane>(#arguments) {
+            self::#ident(#(#passed),*);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Making like blocks alike: numbers in which they differ become unknowns before staging.
+//!
+//! A finger whose tendon runs in its plane has a zero where its neighbours have an offset; staged as
+//! it is, its equations lack terms and are no instance of theirs. Where blocks have the same links,
+//! bodies and strands, every number that is not the same in all of them is therefore staged as a
+//! parameter of its own, whose value is put back when the blocks' expressions have been compared.
+
+use handc_runtime::expression::{Operation, Variable};
+use handc_runtime::mechanism::{Mechanism, Motion, Number, Param};
+use handc_runtime::structure::Structure;
+
+/// A mechanism with unknowns for the numbers in which like blocks differ.
+pub(super) struct Harmony {
+    /// The mechanism; its parameters go on beyond those of the original.
+    pub(super) mechanism: Mechanism,
+    /// Values of the parameters that were added.
+    pub(super) added: Vec<f64>,
+}
+
+/// An element that belongs to a block, by index.
+#[derive(Clone, Copy)]
+enum Element {
+    Coordinate(usize),
+    Link(usize),
+    Body(usize),
+    Strand(usize),
+    Force(usize),
+}
+
+/// Replaces what differs; `None` where no two blocks are alike.
+pub(super) fn harmonise(mechanism: &Mechanism, structure: &Structure) -> Option<Harmony> {
+    let blocks: Vec<(Vec<Element>, Vec<i64>)> = (0..structure.blocks.len())
+        .filter(|&b| structure.blocks[b].rows.is_empty())
+        .map(|b| describe(mechanism, structure, b))
+        .collect();
+    let mut groups: Vec<Vec<&(Vec<Element>, Vec<i64>)>> = Vec::new();
+    for block in &blocks {
+        match groups.iter_mut().find(|group| group[0].1 == block.1) {
+            Some(group) => group.push(block),
+            None => groups.push(vec![block]),
+        }
+    }
+    groups.retain(|group| group.len() > 1);
+    if groups.is_empty() {
+        return None;
+    }
+    let mut harmony = Harmony { mechanism: mechanism.clone(), added: Vec::new() };
+    for group in groups {
+        for place in 0..group[0].0.len() {
+            let elements: Vec<Element> = group.iter().map(|(list, _)| list[place]).collect();
+            harmony.elements(&elements);
+        }
+    }
+    Some(harmony)
+}
+
+impl Harmony {
+    /// One element of each block.
+    fn elements(&mut self, elements: &[Element]) {
+        let count = numbers(&mut self.mechanism, elements[0]).len();
+        for place in 0..count {
+            let all: Vec<Number> =
+                elements.iter().map(|&e| *numbers(&mut self.mechanism, e)[place]).collect();
+            if all.iter().all(|number| *number == all[0]) {
+                continue;
+            }
+            for (&element, number) in elements.iter().zip(all) {
+                if let Number::Constant(value) = number {
+                    let unknown = self.unknown(value);
+                    *numbers(&mut self.mechanism, element)[place] = unknown;
+                }
+            }
+        }
+    }
+
+    fn unknown(&mut self, value: f64) -> Number {
+        let param = self.mechanism.params.len() as u32;
+        self.mechanism.params.push(Param {
+            name: String::new(),
+            doc: String::new(),
+            unit: String::new(),
+            default: value,
+        });
+        self.added.push(value);
+        let values = &mut self.mechanism.values;
+        values.operations.push(Operation::Read(Variable::Param(param)));
+        values.outputs.push(values.operations.len() as u32 - 1);
+        Number::Value(values.outputs.len() as u32 - 1)
+    }
+}
+
+/// The elements of a block, and what must agree for two blocks to be alike.
+fn describe(
+    mechanism: &Mechanism,
+    structure: &Structure,
+    block: usize,
+) -> (Vec<Element>, Vec<i64>) {
+    let coordinates = &structure.blocks[block].coordinates;
+    // Links of the block by their place in it; others, which drives move, by their own index.
+    let local = |link: Option<u32>| -> i64 {
+        let Some(link) = link else { return -1 };
+        let coordinate = mechanism.links[link as usize].coordinate as usize;
+        match coordinates.iter().position(|&c| c == coordinate) {
+            Some(place) => place as i64,
+            None => 1_000_000 + i64::from(link),
+        }
+    };
+    let is_own = |link: Option<u32>| {
+        link.is_some_and(|l| {
+            coordinates.contains(&(mechanism.links[l as usize].coordinate as usize))
+        })
+    };
+    let (mut elements, mut signature) = (Vec::new(), vec![coordinates.len() as i64]);
+    for &c in coordinates {
+        let coordinate = &mechanism.coordinates[c];
+        let link = structure.link_of[c] as usize;
+        elements.extend([Element::Coordinate(c), Element::Link(link)]);
+        let motion = match mechanism.links[link].motion {
+            Motion::Revolute { .. } => 0,
+            Motion::Prismatic { .. } => 1,
+            Motion::Screw { .. } => 2,
+        };
+        let has_limits = i64::from(coordinate.limits.is_some());
+        let parent = local(mechanism.links[link].parent);
+        signature.extend([i64::from(coordinate.is_length), has_limits, motion, parent]);
+    }
+    for (b, body) in mechanism.bodies.iter().enumerate().filter(|(_, b)| is_own(b.link)) {
+        elements.push(Element::Body(b));
+        signature.extend([-2, local(body.link)]);
+    }
+    for (s, strand) in mechanism.strands.iter().enumerate() {
+        if structure.strands[s].coordinates.iter().any(|c| coordinates.contains(c)) {
+            elements.push(Element::Strand(s));
+            signature.push(-3);
+            signature.extend(strand.points.iter().map(|point| local(point.link)));
+        }
+    }
+    for (f, force) in mechanism.forces.iter().enumerate().filter(|(_, f)| is_own(f.point.link)) {
+        elements.push(Element::Force(f));
+        signature.extend([-4, local(force.point.link), local(force.axes)]);
+    }
+    (elements, signature)
+}
+
+/// The numbers of an element, in a fixed order.
+fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
+    let mut list: Vec<&mut Number> = Vec::new();
+    match element {
+        Element::Coordinate(index) => {
+            let c = &mut mechanism.coordinates[index];
+            list.extend([&mut c.damping, &mut c.stiffness, &mut c.rest, &mut c.limit_stiffness]);
+            list.extend(c.limits.iter_mut().flatten());
+        }
+        Element::Link(index) => {
+            let link = &mut mechanism.links[index];
+            list.extend(link.parent_from_joint.rotation.iter_mut().flatten());
+            list.extend(&mut link.parent_from_joint.translation);
+            match &mut link.motion {
+                Motion::Revolute { axis } | Motion::Prismatic { axis } => list.extend(axis),
+                Motion::Screw { axis, pitch } => {
+                    list.extend(axis);
+                    list.push(pitch);
+                }
+            }
+        }
+        Element::Body(index) => {
+            let body = &mut mechanism.bodies[index];
+            list.push(&mut body.mass);
+            list.extend(&mut body.center);
+            list.extend(&mut body.inertia);
+        }
+        Element::Strand(index) => {
+            let strand = &mut mechanism.strands[index];
+            list.extend(strand.points.iter_mut().flat_map(|point| &mut point.position));
+            list.push(&mut strand.stiffness);
+        }
+        Element::Force(index) => list.extend(&mut mechanism.forces[index].point.position),
+    }
+    list
+}

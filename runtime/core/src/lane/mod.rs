@@ -1,0 +1,286 @@
+//! Numbers side by side: one `f64`, or four in a vector register.
+//!
+//! Equations that a model repeats, and runs that go side by side, are computed on the lanes of a
+//! vector. The code is written once, generic over [`Lane`]. Which width runs is decided when the
+//! program runs, by asking the processor, so that one program is right everywhere and fast where it
+//! can be.
+
+mod sine;
+#[cfg(target_arch = "x86_64")]
+mod x4;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use x4::call;
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+mod sealed {
+    /// Only this crate makes lanes: the vector type is sound only behind a question to the processor.
+    pub trait Sealed {}
+    impl Sealed for f64 {}
+}
+
+/// Something to be done with as many lanes as the processor has.
+pub(crate) trait Work {
+    /// Does it. To be inlined: only inside [`call`] is code made of the vector's instructions.
+    fn run<L: Lane>(self);
+}
+
+/// Without vectors nothing is done, and the caller goes on number by number.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn call(_work: impl Work) -> bool {
+    false
+}
+
+/// A number in every lane.
+pub trait Lane:
+    sealed::Sealed
+    + Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// How many lanes.
+    const WIDTH: usize;
+
+    /// The same number in every lane.
+    fn splat(x: f64) -> Self;
+    /// Lane by lane.
+    fn from_lanes(of: impl Fn(usize) -> f64) -> Self;
+    /// The first `WIDTH` numbers of `from`.
+    fn load(from: &[f64]) -> Self;
+    /// The number of one lane.
+    fn lane(self, index: usize) -> f64;
+    /// self·b + c, with one rounding where the machine can.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// self·b − c, as [`Lane::mul_add`].
+    fn mul_sub(self, b: Self, c: Self) -> Self;
+    /// c − self·b, as [`Lane::mul_add`].
+    fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two; the second where either is not a number.
+    fn max(self, other: Self) -> Self;
+    /// Which lanes are below those of `other`, as bits; a lane that is not a number is not.
+    fn less(self, other: Self) -> u8;
+    /// As [`Lane::less`], or equal.
+    fn less_equal(self, other: Self) -> u8;
+    /// Which lanes equal those of `other`, as bits.
+    fn equal(self, other: Self) -> u8;
+    /// `then` in the lanes whose bit is set, else `otherwise`.
+    fn choose(bits: u8, then: Self, otherwise: Self) -> Self;
+    /// Sine and cosine in the quadrant that the low bits of `shifted` count.
+    fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self);
+
+    /// The function of every lane.
+    #[inline(always)]
+    fn map(self, function: impl Fn(f64) -> f64) -> Self {
+        Self::from_lanes(|i| function(self.lane(i)))
+    }
+    /// The function of every pair of lanes.
+    #[inline(always)]
+    fn map_two(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        Self::from_lanes(|i| function(self.lane(i), other.lane(i)))
+    }
+    /// Sine and cosine (rad), each within one unit in the last place.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        if self.abs().less_equal(Self::splat(sine::LARGEST_ANGLE)) == Self::ALL {
+            sine::reduced(self)
+        } else {
+            (self.map(f64::sin), self.map(f64::cos))
+        }
+    }
+    /// Bits of all lanes.
+    const ALL: u8 = ((1u16 << Self::WIDTH) - 1) as u8;
+}
+
+impl Lane for f64 {
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn splat(x: f64) -> f64 {
+        x
+    }
+    #[inline(always)]
+    fn from_lanes(of: impl Fn(usize) -> f64) -> f64 {
+        of(0)
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> f64 {
+        from[0]
+    }
+    #[inline(always)]
+    fn lane(self, _index: usize) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn mul_add(self, b: f64, c: f64) -> f64 {
+        if cfg!(target_feature = "fma") { f64::mul_add(self, b, c) } else { self * b + c }
+    }
+    #[inline(always)]
+    fn mul_sub(self, b: f64, c: f64) -> f64 {
+        if cfg!(target_feature = "fma") { f64::mul_add(self, b, -c) } else { self * b - c }
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, b: f64, c: f64) -> f64 {
+        if cfg!(target_feature = "fma") { f64::mul_add(-self, b, c) } else { c - self * b }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn min(self, other: f64) -> f64 {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: f64) -> f64 {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn less(self, other: f64) -> u8 {
+        u8::from(self < other)
+    }
+    #[inline(always)]
+    fn less_equal(self, other: f64) -> u8 {
+        u8::from(self <= other)
+    }
+    #[inline(always)]
+    fn equal(self, other: f64) -> u8 {
+        u8::from(self == other)
+    }
+    #[inline(always)]
+    fn choose(bits: u8, then: f64, otherwise: f64) -> f64 {
+        if bits & 1 == 1 { then } else { otherwise }
+    }
+    #[inline(always)]
+    fn turn(shifted: f64, sine: f64, cosine: f64) -> (f64, f64) {
+        let quadrant = shifted.to_bits();
+        let flip = |x: f64, second_bit: u64| f64::from_bits(x.to_bits() ^ (second_bit << 62));
+        let (a, b) = if quadrant & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
+        (flip(a, quadrant & 2), flip(b, quadrant.wrapping_add(1) & 2))
+    }
+}
+
+/// The functions that straight-line code over lanes calls, in the manner of [`crate::math`].
+pub mod functions {
+    use super::Lane;
+
+    /// a·b + c.
+    #[inline(always)]
+    pub fn mul_add<L: Lane>(a: L, b: L, c: L) -> L {
+        a.mul_add(b, c)
+    }
+    /// a·b − c.
+    #[inline(always)]
+    pub fn mul_sub<L: Lane>(a: L, b: L, c: L) -> L {
+        a.mul_sub(b, c)
+    }
+    /// c − a·b.
+    #[inline(always)]
+    pub fn neg_mul_add<L: Lane>(a: L, b: L, c: L) -> L {
+        a.neg_mul_add(b, c)
+    }
+    /// Sine and cosine (rad).
+    #[inline(always)]
+    pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
+        x.sin_cos()
+    }
+    /// Sine.
+    #[inline(always)]
+    pub fn sin<L: Lane>(x: L) -> L {
+        x.sin_cos().0
+    }
+    /// Cosine.
+    #[inline(always)]
+    pub fn cos<L: Lane>(x: L) -> L {
+        x.sin_cos().1
+    }
+    /// Square root.
+    #[inline(always)]
+    pub fn sqrt<L: Lane>(x: L) -> L {
+        x.sqrt()
+    }
+    /// Absolute value.
+    #[inline(always)]
+    pub fn abs<L: Lane>(x: L) -> L {
+        x.abs()
+    }
+    /// The smaller of two.
+    #[inline(always)]
+    pub fn min<L: Lane>(x: L, y: L) -> L {
+        x.map_two(y, f64::min)
+    }
+    /// The larger of two.
+    #[inline(always)]
+    pub fn max<L: Lane>(x: L, y: L) -> L {
+        x.map_two(y, f64::max)
+    }
+    /// Angle of the point (x, y).
+    #[inline(always)]
+    pub fn atan2<L: Lane>(y: L, x: L) -> L {
+        y.map_two(x, f64::atan2)
+    }
+    /// Real power.
+    #[inline(always)]
+    pub fn powf<L: Lane>(x: L, exponent: L) -> L {
+        x.map_two(exponent, f64::powf)
+    }
+    /// Integer power.
+    #[inline(always)]
+    pub fn powi<L: Lane>(x: L, exponent: i32) -> L {
+        x.map(|x| x.powi(exponent))
+    }
+    /// `then` if left < right, else `otherwise`.
+    #[inline(always)]
+    pub fn if_less<L: Lane>(left: L, right: L, then: L, otherwise: L) -> L {
+        L::choose(left.less(right), then, otherwise)
+    }
+    /// `then` if left ≤ right, else `otherwise`.
+    #[inline(always)]
+    pub fn if_less_equal<L: Lane>(left: L, right: L, then: L, otherwise: L) -> L {
+        L::choose(left.less_equal(right), then, otherwise)
+    }
+    /// `then` if left = right, else `otherwise`.
+    #[inline(always)]
+    pub fn if_equal<L: Lane>(left: L, right: L, then: L, otherwise: L) -> L {
+        L::choose(left.equal(right), then, otherwise)
+    }
+
+    macro_rules! of_one {
+        ($($(#[$doc:meta])* $name:ident => $method:ident;)*) => {$(
+            $(#[$doc])*
+            #[inline(always)]
+            pub fn $name<L: Lane>(x: L) -> L {
+                x.map(f64::$method)
+            }
+        )*};
+    }
+
+    of_one! {
+        /// Tangent.
+        tan => tan;
+        /// Inverse sine.
+        asin => asin;
+        /// Inverse cosine.
+        acos => acos;
+        /// Inverse tangent.
+        atan => atan;
+        /// Exponential.
+        exp => exp;
+        /// Natural logarithm.
+        log => ln;
+        /// Largest integer not above.
+        floor => floor;
+    }
+}

@@ -1,0 +1,167 @@
+//! Four lanes in an AVX register. The one place with `unsafe`: the instructions exist only on
+//! processors that have them, so the type is private to this crate and every value of it lives
+//! inside [`call`], which asks the processor first.
+#![allow(unsafe_code)]
+
+use super::sealed::Sealed;
+use super::{Lane, Work};
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Four numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct X4(__m256d);
+
+/// Does the work on four lanes if the processor has AVX2 and FMA; `false` if not.
+#[inline]
+pub(crate) fn call(work: impl Work) -> bool {
+    if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")) {
+        return false;
+    }
+    // SAFETY: both features have just been found.
+    unsafe { with_instructions(work) };
+    true
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn with_instructions(work: impl Work) {
+    work.run::<X4>();
+}
+
+impl Sealed for X4 {}
+
+macro_rules! operators {
+    ($($operator:ident $method:ident $instruction:ident;)*) => {$(
+        impl $operator for X4 {
+            type Output = X4;
+            #[inline(always)]
+            fn $method(self, other: X4) -> X4 {
+                // SAFETY: values of this type exist only where the instructions do.
+                X4(unsafe { $instruction(self.0, other.0) })
+            }
+        }
+    )*};
+}
+
+operators! {
+    Add add _mm256_add_pd;
+    Sub sub _mm256_sub_pd;
+    Mul mul _mm256_mul_pd;
+    Div div _mm256_div_pd;
+}
+
+impl Neg for X4 {
+    type Output = X4;
+    #[inline(always)]
+    fn neg(self) -> X4 {
+        // SAFETY: as above.
+        X4(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+    }
+}
+
+/// Masks of all sets of lanes.
+static MASKS: [[u64; 4]; 16] = {
+    let mut masks = [[0; 4]; 16];
+    let mut bits = 0;
+    while bits < 16 {
+        let mut lane = 0;
+        while lane < 4 {
+            if bits >> lane & 1 == 1 {
+                masks[bits][lane] = u64::MAX;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    masks
+};
+
+// SAFETY of every block below: values of this type exist only inside `call`, where the processor
+// has the instructions; loads are unaligned and stay within the slice that was checked.
+impl Lane for X4 {
+    const WIDTH: usize = 4;
+
+    #[inline(always)]
+    fn splat(x: f64) -> X4 {
+        X4(unsafe { _mm256_set1_pd(x) })
+    }
+    #[inline(always)]
+    fn from_lanes(of: impl Fn(usize) -> f64) -> X4 {
+        X4(unsafe { _mm256_setr_pd(of(0), of(1), of(2), of(3)) })
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> X4 {
+        let four = &from[..4];
+        X4(unsafe { _mm256_loadu_pd(four.as_ptr()) })
+    }
+    #[inline(always)]
+    fn lane(self, index: usize) -> f64 {
+        let mut four = [0.0; 4];
+        unsafe { _mm256_storeu_pd(four.as_mut_ptr(), self.0) };
+        four[index]
+    }
+    #[inline(always)]
+    fn mul_add(self, b: X4, c: X4) -> X4 {
+        X4(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    fn mul_sub(self, b: X4, c: X4) -> X4 {
+        X4(unsafe { _mm256_fmsub_pd(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, b: X4, c: X4) -> X4 {
+        X4(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    fn sqrt(self) -> X4 {
+        X4(unsafe { _mm256_sqrt_pd(self.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> X4 {
+        X4(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: X4) -> X4 {
+        X4(unsafe { _mm256_min_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: X4) -> X4 {
+        X4(unsafe { _mm256_max_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn less(self, other: X4) -> u8 {
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)) as u8 }
+    }
+    #[inline(always)]
+    fn less_equal(self, other: X4) -> u8 {
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u8 }
+    }
+    #[inline(always)]
+    fn equal(self, other: X4) -> u8 {
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, other.0)) as u8 }
+    }
+    #[inline(always)]
+    fn choose(bits: u8, then: X4, otherwise: X4) -> X4 {
+        let mask = &MASKS[usize::from(bits & 15)];
+        unsafe {
+            let mask = _mm256_castsi256_pd(_mm256_loadu_si256(mask.as_ptr().cast()));
+            X4(_mm256_blendv_pd(otherwise.0, then.0, mask))
+        }
+    }
+    #[inline(always)]
+    fn turn(shifted: X4, sine: X4, cosine: X4) -> (X4, X4) {
+        unsafe {
+            let quadrant = _mm256_castpd_si256(shifted.0);
+            // The lowest bit, as sign, chooses; the second flips the sign.
+            let odd = _mm256_castsi256_pd(_mm256_slli_epi64::<63>(quadrant));
+            let (a, b) =
+                (_mm256_blendv_pd(sine.0, cosine.0, odd), _mm256_blendv_pd(cosine.0, sine.0, odd));
+            let second = |q| {
+                let second = _mm256_and_si256(q, _mm256_set1_epi64x(2));
+                _mm256_castsi256_pd(_mm256_slli_epi64::<62>(second))
+            };
+            let next = _mm256_add_epi64(quadrant, _mm256_set1_epi64x(1));
+            (X4(_mm256_xor_pd(a, second(quadrant))), X4(_mm256_xor_pd(b, second(next))))
+        }
+    }
+}
