@@ -9,6 +9,7 @@ use crate::mechanism::{Mechanism, Number};
 use crate::resolved::Resolved;
 use crate::structure::Structure;
 use crate::vector::Transform;
+use handc_core::lanes::next_revision;
 use handc_core::layout::{
     ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Quantity, ScenarioLayout, Strand,
 };
@@ -24,6 +25,7 @@ pub struct Interpreter {
     numbers: Resolved<f64>,
     workspace: Workspace<f64>,
     scratch: Vec<f64>,
+    revision: u64,
 }
 
 impl Interpreter {
@@ -34,6 +36,7 @@ impl Interpreter {
         Interpreter {
             layout: Arc::new(layout(&mechanism, &structure)),
             numbers: Resolved::new(&mechanism, &params),
+            revision: next_revision(),
             workspace: Workspace::new(&structure),
             scratch: Vec::new(),
             mechanism,
@@ -103,6 +106,10 @@ impl Model for Interpreter {
         let mut params = self.numbers.params.clone();
         params[index] = value;
         self.numbers = Resolved::new(&self.mechanism, &params);
+        self.revision = next_revision();
+    }
+    fn revision(&self) -> u64 {
+        self.revision
     }
     fn evaluate(&mut self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();

@@ -23,8 +23,10 @@ macro_rules! sources {
 }
 
 const SOURCES: &[(&str, &str)] = sources![
-    "array" "ensemble" "error" "frequency" "layout" "lib" "linalg" "math" "model" "motion" "runner"
-    "scalar" "simulation" "solve" "start" "step" "trajectory"
+    "array" "ensemble" "error" "follow" "frequency" "lane/mod" "lane/sine" "lane/sweep" "lane/x4"
+    "lanes/lengths" "lanes/mod" "lanes/step" "layout" "lib" "linalg" "math" "model" "motion" "newton"
+    "predict" "runner" "scalar" "shape" "simulation" "solve" "start" "step/attempt"
+    "step/lanes" "step/mod" "step/report" "together" "trajectory"
 ];
 
 const MANIFEST: &str = "[package]
@@ -56,11 +58,19 @@ mod tests {
     #[test]
     fn every_source_of_the_core_is_carried() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../runtime/core/src");
-        let mut found: Vec<String> = std::fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
-            .collect();
-        found.sort();
+        let (mut open, mut found) = (vec![std::path::PathBuf::from(folder)], Vec::new());
+        while let Some(folder) = open.pop() {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                match path.extension() {
+                    None => open.push(path),
+                    Some(_) => found.push(path.with_extension("")),
+                }
+            }
+        }
+        let mut found: Vec<&str> =
+            found.iter().map(|path| path.strip_prefix(folder).unwrap().to_str().unwrap()).collect();
+        found.sort_unstable();
         let carried: Vec<&str> = SOURCES.iter().map(|(name, _)| *name).collect();
         assert_eq!(found, carried);
     }

@@ -353,6 +353,43 @@ fn check(mechanism: Mechanism) {
             Leaf::Time => T,
             Leaf::Step => H,
             Leaf::Length(i) => panic!("length {i} is left"),
+            Leaf::Constant(i) => panic!("constant {i} stands outside of a block"),
+        };
+        // A block's own numbering, and its constants.
+        let read_in = |shape: &Shape, block: usize, leaf: Leaf| {
+            let place = &shape.places[block];
+            let global = |list: &[usize], i: u32| list[i as usize] as u32;
+            match leaf {
+                Leaf::Q(i) => read(Leaf::Q(global(&place.coordinates, i))),
+                Leaf::V(i) => read(Leaf::V(global(&place.coordinates, i))),
+                Leaf::Rest(i) => read(Leaf::Rest(global(&place.strands, i))),
+                Leaf::Input(i) => read(Leaf::Input(global(&place.inputs, i))),
+                Leaf::Constant(i) => evaluate(&[shape.constants[block][i as usize]], read)[0],
+                other => read(other),
+            }
+        };
+        let in_blocks = |name: &str, array: &str, size: usize| -> Vec<f64> {
+            let mut found = vec![0.0; size];
+            for task in staged.tasks.iter().filter(|t| t.name == name) {
+                let Module::Block(number) = task.module else { continue };
+                let shape = &staged.shapes[number];
+                let symbols: Vec<Sym> = task.outputs.iter().map(|output| output.value).collect();
+                for (block, place) in shape.places.iter().enumerate() {
+                    let results = evaluate(&symbols, |leaf| read_in(shape, block, leaf));
+                    for (output, value) in task.outputs.iter().zip(results) {
+                        let Place::Element { array: own, index } = output.place else { continue };
+                        let index = match own {
+                            "matrix" => structure.blocks[place.block].matrix_offset + index,
+                            "lengths" => place.strands[index],
+                            _ => place.coordinates[index],
+                        };
+                        if own == array {
+                            found[index] = value;
+                        }
+                    }
+                }
+            }
+            found
         };
         let find = |module: Module, name: &str, array: &str, size: usize| -> Vec<f64> {
             let mut found = vec![0.0; size];
@@ -378,16 +415,15 @@ fn check(mechanism: Mechanism) {
         let zeros = |count| vec![0.0; count];
         let (mut p, mut f, mut matrix) = (zeros(n), zeros(n), zeros(layout.matrix_size()));
         model.evaluate_with_matrix(&point.midpoint(), H, &mut p, &mut f, &mut matrix);
-        let block = Module::Block(0);
         for i in (0..n).filter(|&i| layout.coordinates[i].kinematic) {
             (p[i], f[i]) = (0.0, 0.0);
         }
-        same("momentum", &find(block, "evaluate", "momentum", n), &p);
-        same("force", &find(block, "evaluate", "force", n), &f);
-        same("force", &find(block, "evaluate_with_matrix", "force", n), &f);
-        same("matrix", &find(block, "evaluate_with_matrix", "matrix", matrix.len()), &matrix);
+        same("momentum", &in_blocks("evaluate", "momentum", n), &p);
+        same("force", &in_blocks("evaluate", "force", n), &f);
+        same("force", &in_blocks("evaluate_with_matrix", "force", n), &f);
+        same("matrix", &in_blocks("evaluate_with_matrix", "matrix", matrix.len()), &matrix);
         model.mass_matrix(&point.q, &mut matrix);
-        same("mass", &find(block, "mass_matrix", "matrix", matrix.len()), &matrix);
+        same("mass", &in_blocks("mass_matrix", "matrix", matrix.len()), &matrix);
         let (mut rows, mut jacobian) = (zeros(m), zeros(layout.constraint_size()));
         model.constraints(&point.q, T, &mut rows);
         model.constraint_jacobian(&point.q, T, &mut jacobian);
@@ -398,7 +434,10 @@ fn check(mechanism: Mechanism) {
         same("potential", &find(Module::Energy, "potential", "", 1), &[energy]);
         let mut lengths = zeros(layout.strands.len());
         model.strand_lengths(&point.q, &mut lengths);
-        same("lengths", &find(Module::Strands, "lengths", "lengths", lengths.len()), &lengths);
+        let mut found = find(Module::Strands, "lengths", "lengths", lengths.len());
+        let of_blocks = in_blocks("lengths", "lengths", lengths.len());
+        found.iter_mut().zip(of_blocks).for_each(|(outside, inside)| *outside += inside);
+        same("lengths", &found, &lengths);
         let mut arms = zeros(lengths.len() * n);
         model.moment_arms(&point.q, &mut arms);
         same("arms", &find(Module::Strands, "moment_arms", "arms", arms.len()), &arms);

@@ -2,10 +2,12 @@
 
 //! The model as the integrator sees it.
 
-use crate::{blocks, energy, scenarios, strands, time};
+use crate::{energy, scenarios, time};
+use crate::blocks::Blocks;
 use crate::Finger;
 use crate::layout::scenario;
 use handc_core::array::{sized, sized_mut};
+use handc_core::lanes::{LaneVisitor, RUNS};
 use handc_core::layout::Layout;
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;
@@ -25,13 +27,7 @@ impl Model for Finger {
     }
 
     fn evaluate(&mut self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
-        let params = &self.params;
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let rest = sized(at.rest);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        blocks::whole::evaluate(q, v, rest, params, momentum, force);
+        self.blocks.evaluate(at, momentum, force);
     }
 
     fn evaluate_with_matrix(
@@ -42,39 +38,31 @@ impl Model for Finger {
         force: &mut [f64],
         matrix: &mut [f64],
     ) {
-        let params = &self.params;
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let rest = sized(at.rest);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        let matrix = sized_mut(matrix);
-        blocks::whole::evaluate_with_matrix(
-            q,
-            v,
-            h,
-            rest,
-            params,
-            momentum,
-            force,
-            matrix,
-        );
+        self.blocks.evaluate_with_matrix(at, h, momentum, force, matrix);
+    }
+
+    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
+        self.blocks.mass_matrix(q, matrix);
+    }
+
+    fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
+        *sized_mut(lengths) = Finger::strand_lengths(self, sized(q));
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    fn on_lanes(models: &[&Self], visitor: &mut impl LaneVisitor) -> bool {
+        let mut of = [&models[0].blocks; RUNS];
+        for (place, model) in of.iter_mut().zip(models) {
+            *place = &model.blocks;
+        }
+        Blocks::on_lanes(&of, visitor)
     }
 
     fn constraints(&mut self, _q: &[f64], _t: f64, _rows: &mut [f64]) {}
     fn constraint_jacobian(&mut self, _q: &[f64], _t: f64, _jacobian: &mut [f64]) {}
-    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
-        let q = sized(q);
-        let matrix = sized_mut(matrix);
-        blocks::whole::mass_matrix(q, matrix);
-    }
-
-    fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
-        let q = sized(q);
-        let lengths = sized_mut(lengths);
-        strands::lengths(q, lengths);
-    }
-
     fn inputs(&mut self, _t: f64, _inputs: &mut [f64]) {}
     fn rests(&mut self, _t: f64, _inputs: &[f64], _rest: &mut [f64]) {}
     fn drives(&mut self, _t: f64, _q: &mut [f64]) {}

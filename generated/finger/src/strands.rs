@@ -2,77 +2,8 @@
 
 //! Strands: lengths and moment arms.
 
-use crate::layout::{ARMS, COORDINATES, STRANDS, coordinate, strand};
+use crate::layout::{ARMS, COORDINATES, coordinate};
 use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
-
-/// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of all strands (m).
-///
-/// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
-///
-/// 73 operations: 10 sums, 10 products, 20 products with sum, 10 roots, 3 sines and cosines.
-pub fn lengths(q: &[f64; COORDINATES], lengths: &mut [f64; STRANDS]) {
-    let q_mcp = q[coordinate::MCP];
-    let q_pip = q[coordinate::PIP];
-    let q_dip = q[coordinate::DIP];
-    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = mul_add(
-        2.0,
-        mul_add(3.400000000000001e-5, cos_mcp, 0.000252 * sin_mcp),
-        0.000509,
-    );
-    let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let fdp_2 = mul_add(
-        2.0,
-        mul_add(3.059999999999993e-5, cos_pip, 0.00017189999999999995 * sin_pip),
-        0.00035188999999999983,
-    );
-    let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let fdp_3 = neg_mul_add(
-        2.0,
-        mul_sub(6.8000000000000094e-6, cos_dip, 7.69e-5 * sin_dip),
-        0.00015621,
-    );
-    lengths[strand::FDP] = 0.07161627512154058 + sqrt(fdp_1) + sqrt(fdp_2) + sqrt(fdp_3);
-    let fds_1 = neg_mul_add(
-        2.0,
-        mul_sub(1.1999999999999994e-5, cos_mcp, 0.00030000000000000003 * sin_mcp),
-        0.000601,
-    );
-    let fds_2 = mul_add(
-        2.0,
-        mul_add(3.879999999999991e-5, cos_pip, 0.00019639999999999995 * sin_pip),
-        0.0004016399999999999,
-    );
-    lengths[strand::FDS] = 0.06512765830525491 + sqrt(fds_1) + sqrt(fds_2);
-    let edc_1 = neg_mul_add(
-        2.0,
-        mul_add(0.0001065, cos_mcp, 6.45e-5 * sin_mcp),
-        0.00024925,
-    );
-    let edc_2 = neg_mul_add(
-        2.0,
-        mul_add(7.7e-5, cos_pip, 3.5999999999999953e-5 * sin_pip),
-        0.00016999999999999996,
-    );
-    lengths[strand::EDC] = 0.09184108383968201 + sqrt(edc_1) + sqrt(edc_2);
-    let lumbrical_1 = mul_add(
-        2.0,
-        mul_add(3.4e-5, cos_mcp, 8.8e-5 * sin_mcp),
-        0.00018899999999999999,
-    );
-    let lumbrical_2 = neg_mul_add(
-        2.0,
-        mul_add(2.7000000000000013e-5, cos_pip, 3.5999999999999974e-5 * sin_pip),
-        8.999999999999998e-5,
-    );
-    let lumbrical_3 = neg_mul_add(
-        2.0,
-        mul_add(3.8249999999999995e-5, cos_dip, 2.600000000000001e-5 * sin_dip),
-        9.25e-5,
-    );
-    lengths[strand::LUMBRICAL] = 0.09024829243194461 + sqrt(lumbrical_1)
-        + sqrt(lumbrical_2) + sqrt(lumbrical_3);
-}
 
 /// Moment arms ∂x/∂q of all strands (m/rad or 1), one row per strand; entries that are zero by structure are not written.
 ///

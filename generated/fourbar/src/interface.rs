@@ -2,7 +2,7 @@
 
 //! The model as the integrator sees it.
 
-use crate::{blocks, constraints, energy, scenarios, time};
+use crate::{constraints, energy, scenarios, time};
 use crate::Fourbar;
 use crate::layout::scenario;
 use handc_core::array::{sized, sized_mut};
@@ -25,11 +25,7 @@ impl Model for Fourbar {
     }
 
     fn evaluate(&mut self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        blocks::whole::evaluate(q, v, momentum, force);
+        self.blocks.evaluate(at, momentum, force);
     }
 
     fn evaluate_with_matrix(
@@ -40,14 +36,14 @@ impl Model for Fourbar {
         force: &mut [f64],
         matrix: &mut [f64],
     ) {
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        let matrix = sized_mut(matrix);
-        blocks::whole::evaluate_with_matrix(q, v, h, momentum, force, matrix);
+        self.blocks.evaluate_with_matrix(at, h, momentum, force, matrix);
     }
 
+    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
+        self.blocks.mass_matrix(q, matrix);
+    }
+
+    fn strand_lengths(&mut self, _q: &[f64], _lengths: &mut [f64]) {}
     fn constraints(&mut self, q: &[f64], _t: f64, rows: &mut [f64]) {
         let q = sized(q);
         let rows = sized_mut(rows);
@@ -60,13 +56,6 @@ impl Model for Fourbar {
         constraints::jacobian(q, jacobian);
     }
 
-    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
-        let q = sized(q);
-        let matrix = sized_mut(matrix);
-        blocks::whole::mass_matrix(q, matrix);
-    }
-
-    fn strand_lengths(&mut self, _q: &[f64], _lengths: &mut [f64]) {}
     fn inputs(&mut self, _t: f64, _inputs: &mut [f64]) {}
     fn rests(&mut self, _t: f64, _inputs: &[f64], _rest: &mut [f64]) {}
     fn drives(&mut self, _t: f64, _q: &mut [f64]) {}

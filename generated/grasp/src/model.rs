@@ -2,6 +2,7 @@
 
 //! The model and what can be asked of it.
 
+use crate::blocks::Blocks;
 use crate::{frames, strands};
 use crate::values;
 use crate::frames::Pose;
@@ -10,6 +11,7 @@ use crate::layout::{
 };
 use crate::parameters::{Inputs, Params};
 use handc_core::error::{RunError, StepError};
+use handc_core::lanes::next_revision;
 use handc_core::layout::Layout;
 use handc_core::model::{Midpoint, Model};
 use handc_core::simulation::{Settings, Simulation};
@@ -24,6 +26,9 @@ pub struct Grasp {
     pub(crate) layout: Arc<Layout>,
     pub(crate) params: [f64; PARAMETERS],
     pub(crate) values: [f64; VALUES],
+    pub(crate) blocks: Blocks,
+    /// A stamp of the parameters.
+    pub(crate) revision: u64,
 }
 
 impl Default for Grasp {
@@ -40,10 +45,14 @@ impl Grasp {
 
     /// The model with other parameters.
     pub fn with_params(params: Params) -> Self {
+        let params = params.to_array();
+        let values = [0.0; VALUES];
         let mut model = Self {
             layout: Arc::new(layout()),
-            params: params.to_array(),
-            values: [0.0; VALUES],
+            blocks: Blocks::new(&params, &values),
+            params,
+            values,
+            revision: 0,
         };
         model.update();
         model
@@ -132,10 +141,7 @@ impl Grasp {
     /// Lengths of all strands (m).
     pub fn strand_lengths(&self, q: &[f64; COORDINATES]) -> [f64; STRANDS] {
         let mut lengths = [0.0; STRANDS];
-        {
-            let lengths = &mut lengths;
-            strands::lengths(q, lengths);
-        }
+        self.blocks.lengths(q, &mut lengths);
         lengths
     }
 
@@ -165,5 +171,7 @@ impl Grasp {
         let params = &self.params;
         let values = &mut self.values;
         values::update(params, values);
+        self.blocks = Blocks::new(&self.params, &self.values);
+        self.revision = next_revision();
     }
 }

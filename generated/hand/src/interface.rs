@@ -2,10 +2,12 @@
 
 //! The model as the integrator sees it.
 
-use crate::{blocks, energy, scenarios, strands, time};
+use crate::{energy, scenarios, time};
+use crate::blocks::Blocks;
 use crate::Hand;
 use crate::layout::scenario;
 use handc_core::array::{sized, sized_mut};
+use handc_core::lanes::{LaneVisitor, RUNS};
 use handc_core::layout::Layout;
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;
@@ -25,17 +27,7 @@ impl Model for Hand {
     }
 
     fn evaluate(&mut self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
-        let params = &self.params;
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let rest = sized(at.rest);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        blocks::index::evaluate(q, v, rest, params, momentum, force);
-        blocks::middle::evaluate(q, v, rest, params, momentum, force);
-        blocks::ring::evaluate(q, v, rest, params, momentum, force);
-        blocks::little::evaluate(q, v, rest, params, momentum, force);
-        blocks::thumb::evaluate(q, v, rest, params, momentum, force);
+        self.blocks.evaluate(at, momentum, force);
     }
 
     fn evaluate_with_matrix(
@@ -46,83 +38,31 @@ impl Model for Hand {
         force: &mut [f64],
         matrix: &mut [f64],
     ) {
-        let params = &self.params;
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let rest = sized(at.rest);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        let matrix = sized_mut(matrix);
-        blocks::index::evaluate_with_matrix(
-            q,
-            v,
-            h,
-            rest,
-            params,
-            momentum,
-            force,
-            matrix,
-        );
-        blocks::middle::evaluate_with_matrix(
-            q,
-            v,
-            h,
-            rest,
-            params,
-            momentum,
-            force,
-            matrix,
-        );
-        blocks::ring::evaluate_with_matrix(
-            q,
-            v,
-            h,
-            rest,
-            params,
-            momentum,
-            force,
-            matrix,
-        );
-        blocks::little::evaluate_with_matrix(
-            q,
-            v,
-            h,
-            rest,
-            params,
-            momentum,
-            force,
-            matrix,
-        );
-        blocks::thumb::evaluate_with_matrix(
-            q,
-            v,
-            h,
-            rest,
-            params,
-            momentum,
-            force,
-            matrix,
-        );
+        self.blocks.evaluate_with_matrix(at, h, momentum, force, matrix);
+    }
+
+    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
+        self.blocks.mass_matrix(q, matrix);
+    }
+
+    fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
+        *sized_mut(lengths) = Hand::strand_lengths(self, sized(q));
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    fn on_lanes(models: &[&Self], visitor: &mut impl LaneVisitor) -> bool {
+        let mut of = [&models[0].blocks; RUNS];
+        for (place, model) in of.iter_mut().zip(models) {
+            *place = &model.blocks;
+        }
+        Blocks::on_lanes(&of, visitor)
     }
 
     fn constraints(&mut self, _q: &[f64], _t: f64, _rows: &mut [f64]) {}
     fn constraint_jacobian(&mut self, _q: &[f64], _t: f64, _jacobian: &mut [f64]) {}
-    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
-        let q = sized(q);
-        let matrix = sized_mut(matrix);
-        blocks::index::mass_matrix(q, matrix);
-        blocks::middle::mass_matrix(q, matrix);
-        blocks::ring::mass_matrix(q, matrix);
-        blocks::little::mass_matrix(q, matrix);
-        blocks::thumb::mass_matrix(q, matrix);
-    }
-
-    fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
-        let q = sized(q);
-        let lengths = sized_mut(lengths);
-        strands::lengths(q, lengths);
-    }
-
     fn inputs(&mut self, _t: f64, _inputs: &mut [f64]) {}
     fn rests(&mut self, _t: f64, _inputs: &[f64], _rest: &mut [f64]) {}
     fn drives(&mut self, _t: f64, _q: &mut [f64]) {}

@@ -2,6 +2,7 @@
 
 //! The model and what can be asked of it.
 
+use crate::blocks::Blocks;
 use crate::frames;
 use crate::frames::Pose;
 use crate::layout::{
@@ -9,6 +10,7 @@ use crate::layout::{
 };
 use crate::parameters::{Inputs, Params};
 use handc_core::error::{RunError, StepError};
+use handc_core::lanes::next_revision;
 use handc_core::layout::Layout;
 use handc_core::model::{Midpoint, Model};
 use handc_core::simulation::{Settings, Simulation};
@@ -21,6 +23,9 @@ pub struct Pendulum {
     pub(crate) layout: Arc<Layout>,
     pub(crate) params: [f64; PARAMETERS],
     pub(crate) values: [f64; VALUES],
+    pub(crate) blocks: Blocks,
+    /// A stamp of the parameters.
+    pub(crate) revision: u64,
 }
 
 impl Default for Pendulum {
@@ -37,10 +42,14 @@ impl Pendulum {
 
     /// The model with other parameters.
     pub fn with_params(params: Params) -> Self {
+        let params = params.to_array();
+        let values = [0.0; VALUES];
         let mut model = Self {
             layout: Arc::new(layout()),
-            params: params.to_array(),
-            values: [0.0; VALUES],
+            blocks: Blocks::new(&params, &values),
+            params,
+            values,
+            revision: 0,
         };
         model.update();
         model
@@ -137,5 +146,8 @@ impl Pendulum {
     }
 
     /// Works out again what follows from the parameters.
-    pub(crate) fn update(&mut self) {}
+    pub(crate) fn update(&mut self) {
+        self.blocks = Blocks::new(&self.params, &self.values);
+        self.revision = next_revision();
+    }
 }

@@ -2,7 +2,7 @@
 
 //! The model as the integrator sees it.
 
-use crate::{blocks, constraints, energy, scenarios, strands, time};
+use crate::{constraints, energy, scenarios, time};
 use crate::Squeezer;
 use crate::layout::scenario;
 use handc_core::array::{sized, sized_mut};
@@ -25,13 +25,7 @@ impl Model for Squeezer {
     }
 
     fn evaluate(&mut self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
-        let params = &self.params;
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let rest = sized(at.rest);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        blocks::whole::evaluate(q, v, rest, params, momentum, force);
+        self.blocks.evaluate(at, momentum, force);
     }
 
     fn evaluate_with_matrix(
@@ -42,23 +36,15 @@ impl Model for Squeezer {
         force: &mut [f64],
         matrix: &mut [f64],
     ) {
-        let params = &self.params;
-        let q = sized(at.q);
-        let v = sized(at.v);
-        let rest = sized(at.rest);
-        let momentum = sized_mut(momentum);
-        let force = sized_mut(force);
-        let matrix = sized_mut(matrix);
-        blocks::whole::evaluate_with_matrix(
-            q,
-            v,
-            h,
-            rest,
-            params,
-            momentum,
-            force,
-            matrix,
-        );
+        self.blocks.evaluate_with_matrix(at, h, momentum, force, matrix);
+    }
+
+    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
+        self.blocks.mass_matrix(q, matrix);
+    }
+
+    fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
+        *sized_mut(lengths) = Squeezer::strand_lengths(self, sized(q));
     }
 
     fn constraints(&mut self, q: &[f64], _t: f64, rows: &mut [f64]) {
@@ -71,18 +57,6 @@ impl Model for Squeezer {
         let q = sized(q);
         let jacobian = sized_mut(jacobian);
         constraints::jacobian(q, jacobian);
-    }
-
-    fn mass_matrix(&mut self, q: &[f64], matrix: &mut [f64]) {
-        let q = sized(q);
-        let matrix = sized_mut(matrix);
-        blocks::whole::mass_matrix(q, matrix);
-    }
-
-    fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
-        let q = sized(q);
-        let lengths = sized_mut(lengths);
-        strands::lengths(q, lengths);
     }
 
     fn inputs(&mut self, _t: f64, _inputs: &mut [f64]) {}

@@ -5,7 +5,7 @@
 //! are indexed by the coordinate's position in the model, kinematic ones included, so that one
 //! index means one thing everywhere. Matrices are packed by [`Block`](crate::layout::Block).
 
-use crate::lanes::LaneStep;
+use crate::lanes::LaneVisitor;
 use crate::layout::{Layout, ScenarioLayout};
 use std::sync::Arc;
 
@@ -122,9 +122,10 @@ pub trait Model {
         0
     }
 
-    /// Takes a step of several runs, each with its own parameters, on the lanes of vectors. A model
-    /// without like blocks written for lanes does nothing, and its runs step one by one.
-    fn step_on_lanes(_models: &[&Self], _step: &mut LaneStep) -> bool
+    /// Shows all blocks to a visitor that works on the lanes of vectors, for several runs with their
+    /// own parameters at once. `false`, and nothing done, for a model that is not written for lanes
+    /// or a processor that has none.
+    fn on_lanes(_models: &[&Self], _visitor: &mut impl LaneVisitor) -> bool
     where
         Self: Sized,
     {

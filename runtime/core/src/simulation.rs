@@ -1,9 +1,10 @@
 //! A run of a scenario: parameters set, start found, natural lengths and drives fed, steps taken.
 
 use crate::error::RunError;
+use crate::follow::Followed;
+use crate::lanes::{LaneConstants, LaneRun};
 use crate::layout::Layout;
 use crate::model::{Instant, Model, ScenarioValues};
-use crate::motion::pose_at;
 use crate::start::{Kinetic, momentum, project};
 use crate::step::{State, Stepper, Surroundings};
 use std::sync::Arc;
@@ -47,9 +48,9 @@ pub struct Simulation<M> {
     motions: Vec<Vec<(usize, f64)>>,
     inputs: Vec<f64>,
     rest: Vec<f64>,
-    followed: Vec<f64>,
+    /// One for each `follow` of the scenario.
+    followed: Vec<Followed>,
     driven_q: Vec<f64>,
-    pose: Vec<f64>,
     kinetic: Kinetic,
 }
 
@@ -112,9 +113,11 @@ impl<M: Model> Simulation<M> {
             poses,
             motions: values.motions,
             inputs: vec![0.0; layout.inputs.len()],
-            rest: lengths.clone(),
-            followed: lengths,
-            pose: vec![0.0; n],
+            followed: vec![
+                Followed::new(n, layout.strands.len());
+                scenario.map_or(0, |s| layout.scenarios[s].follow.len())
+            ],
+            rest: lengths,
             driven_q,
             kinetic: Kinetic::default(),
             layout,
@@ -151,19 +154,59 @@ impl<M: Model> Simulation<M> {
 
     /// Takes one step. On an error the state is untouched.
     pub fn step(&mut self) -> Result<(), RunError> {
-        let t0 = self.state.t;
-        let t1 = (self.state.step + 1) as f64 * self.h;
-        self.feed(0.5 * (t0 + t1));
+        self.prepare();
+        self.finish_alone()
+    }
+
+    /// Feeds what the next step needs.
+    pub(crate) fn prepare(&mut self) {
+        let t1 = self.next_time();
+        self.feed(0.5 * (self.state.t + t1));
         drives(&mut self.model, self.scenario, t1, &mut self.driven_q);
+    }
+
+    fn next_time(&self) -> f64 {
+        (self.state.step + 1) as f64 * self.h
+    }
+
+    fn parts(&mut self) -> (&mut M, &mut State, &mut Stepper, Surroundings<'_>) {
         let around = Surroundings {
             h: self.h,
-            t1,
+            t1: self.next_time(),
             inputs: &self.inputs,
             rest: &self.rest,
             driven_q: &self.driven_q,
         };
-        self.stepper.step(&mut self.model, &mut self.state, &around)?;
-        Ok(())
+        (&mut self.model, &mut self.state, &mut self.stepper, around)
+    }
+
+    /// Whether this run may step on lanes.
+    pub(crate) fn is_on_lanes(&self) -> bool {
+        self.stepper.is_on_lanes()
+    }
+
+    /// Room for constants of several such runs.
+    pub(crate) fn fresh_lane_constants(&mut self) -> LaneConstants {
+        self.stepper.lane_constants().fresh()
+    }
+
+    /// What lanes need of the prepared step.
+    pub(crate) fn lane_run(&mut self) -> (LaneRun<'_>, &M) {
+        let (model, state, stepper, around) = self.parts();
+        (stepper.lane_run(state, &around).0, model)
+    }
+
+    /// Ends the prepared step with what lanes have found.
+    pub(crate) fn finish_on_lanes(&mut self, iterations: usize) {
+        let (_, state, stepper, around) = self.parts();
+        stepper.iterations += iterations;
+        stepper.accept_increment(state, &around);
+    }
+
+    /// Takes the prepared step without the others.
+    pub(crate) fn finish_alone(&mut self) -> Result<(), RunError> {
+        let (model, state, stepper, around) = self.parts();
+        Ok(stepper.step(model, state, &around)?)
     }
 
     /// Inputs and natural lengths at time t.
@@ -179,11 +222,13 @@ impl<M: Model> Simulation<M> {
         }
         self.model.rests(t, &self.inputs, &mut self.rest);
         let Some(scenario) = self.scenario else { return };
-        for follow in &self.layout.scenarios[scenario].follow {
-            pose_at(&self.poses, &self.motions[follow.motion], t, &mut self.pose);
-            self.model.strand_lengths(&self.pose, &mut self.followed);
+        let follows = &self.layout.scenarios[scenario].follow;
+        for (follow, followed) in follows.iter().zip(&mut self.followed) {
+            let (knots, constants) = (&self.motions[follow.motion], self.stepper.lane_constants());
+            let lengths =
+                followed.at(&mut self.model, constants, &self.poses, knots, t, &follow.strands);
             for &strand in &follow.strands {
-                self.rest[strand] = self.followed[strand];
+                self.rest[strand] = lengths[strand];
             }
         }
     }

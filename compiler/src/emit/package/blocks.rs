@@ -55,20 +55,20 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
         let calls = shapes().map(|(module, shape)| {
             let of = equations(module, shape, 5);
             quote! {
-                step.blocks::<#of>(&#module::PLACES, |run| of[run].#module.as_flattened());
+                visitor.blocks::<#of>(&#module::PLACES, |run| of[run].#module.as_flattened());
             }
         });
         quote! {
-            /// Takes a step of several runs, each with its own constants, on the lanes of vectors.
-            pub fn step_on_lanes(of: &[&Blocks], step: &mut LaneStep) -> bool {
+            /// Shows all blocks of several runs, each with its own constants, to a visitor.
+            pub fn on_lanes(of: &[&Blocks], visitor: &mut impl LaneVisitor) -> bool {
                 #(#calls)*
-                step.is_complete()
+                visitor.is_complete()
             }
         }
     });
     let use_lanes = has_lanes(names, functions).then(|| {
         quote!(
-            use handc_core::lanes::LaneStep;
+            use handc_core::lanes::LaneVisitor;
         )
     });
     let made = shapes().map(|(module, _)| quote!(#module: #module::constants(params, values),));

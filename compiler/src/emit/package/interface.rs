@@ -161,7 +161,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
         &["Instant", "Midpoint", "Model", "ScenarioValues"],
         &rest,
     );
-    let lanes = imports::from(quote!(handc_core::lanes), &["LaneStep", "RUNS"], &rest);
+    let lanes = imports::from(quote!(handc_core::lanes), &["LaneVisitor", "RUNS"], &rest);
     let arrays = imports::from(quote!(handc_core::array), &["sized", "sized_mut"], &rest);
     // Some methods are called like modules, so only modules that there are may be imported.
     let local: Vec<&str> = ["blocks", "constraints", "energy", "scenarios", "strands", "time"]
@@ -225,12 +225,12 @@ fn blocks(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
             fn revision(&self) -> u64 {
                 self.revision
             }
-            fn step_on_lanes(models: &[&Self], step: &mut LaneStep) -> bool {
+            fn on_lanes(models: &[&Self], visitor: &mut impl LaneVisitor) -> bool {
                 let mut of = [&models[0].blocks; RUNS];
                 for (place, model) in of.iter_mut().zip(models) {
                     *place = &model.blocks;
                 }
-                Blocks::step_on_lanes(&of, step)
+                Blocks::on_lanes(&of, visitor)
             }
         });
     }

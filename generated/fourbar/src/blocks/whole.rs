@@ -2,8 +2,10 @@
 
 //! Block `whole` of the step equations.
 
-use crate::layout::{COORDINATES, MATRIX, coordinate};
-use handc_core::math::{cos, mul_add, mul_sub, neg_mul_add, sin_cos};
+use crate::layout::{PARAMETERS, VALUES};
+use handc_core::lane::Lane;
+use handc_core::lane::functions::{cos, mul_add, mul_sub, neg_mul_add, sin_cos};
+use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
 ///
@@ -12,49 +14,50 @@ use handc_core::math::{cos, mul_add, mul_sub, neg_mul_add, sin_cos};
 /// Bodies: `crank_bar` (fourbar.hdl:15), `coupler_bar` (fourbar.hdl:18), `rocker_bar` (fourbar.hdl:22).
 ///
 /// 40 operations: 3 sums, 14 products, 10 products with sum, 3 sines and cosines.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
+#[inline(always)]
+pub fn evaluate<L: Lane>(
+    q: &[L; 3],
+    v: &[L; 3],
+    momentum: &mut [L; 3],
+    force: &mut [L; 3],
 ) {
-    let q_crank = q[coordinate::CRANK];
-    let q_coupler = q[coordinate::COUPLER];
-    let q_rocker = q[coordinate::ROCKER];
-    let v_crank = v[coordinate::CRANK];
-    let v_coupler = v[coordinate::COUPLER];
-    let v_rocker = v[coordinate::ROCKER];
+    let q_crank = q[0];
+    let q_coupler = q[1];
+    let q_rocker = q[2];
+    let v_crank = v[0];
+    let v_coupler = v[1];
+    let v_rocker = v[2];
     let (sin_coupler, cos_coupler) = sin_cos(q_coupler);
-    let crank_1 = mul_add(0.175, cos_coupler, 0.1);
-    let crank_2 = 0.35 * crank_1;
-    let crank_3 = 0.06124999999999999 * sin_coupler;
-    let crank_4 = 0.0035758333333333323
-        + mul_add(crank_1, crank_2, 0.175 * sin_coupler * crank_3);
+    let crank_1 = mul_add(L::splat(0.175), cos_coupler, L::splat(0.1));
+    let crank_2 = L::splat(0.35) * crank_1;
+    let crank_3 = L::splat(0.06124999999999999) * sin_coupler;
+    let crank_4 = L::splat(0.0035758333333333323)
+        + mul_add(crank_1, crank_2, L::splat(0.175) * sin_coupler * crank_3);
     let crank_5 = v_crank + v_coupler;
-    let crank_6 = neg_mul_add(crank_5, crank_4, 0.1 * v_coupler * crank_2);
-    momentum[coordinate::CRANK] = mul_sub(0.00033416666666666675, v_crank, crank_6);
+    let crank_6 = neg_mul_add(crank_5, crank_4, L::splat(0.1) * v_coupler * crank_2);
+    momentum[0] = mul_sub(L::splat(0.00033416666666666675), v_crank, crank_6);
     let coupler_1 = mul_add(
-        0.1,
-        neg_mul_add(0.034999999999999996, v_coupler, crank_5 * crank_2),
+        L::splat(0.1),
+        neg_mul_add(L::splat(0.034999999999999996), v_coupler, crank_5 * crank_2),
         crank_6,
     );
-    momentum[coordinate::COUPLER] = -coupler_1;
-    momentum[coordinate::ROCKER] = 0.0090025 * v_rocker;
+    momentum[1] = -coupler_1;
+    momentum[2] = L::splat(0.0090025) * v_rocker;
     let (sin_crank, cos_crank) = sin_cos(q_crank);
-    let crank_7 = 9.81 * cos_crank;
-    let crank_8 = crank_3 * (9.81 * sin_crank);
-    force[coordinate::CRANK] = neg_mul_add(
-        0.005000000000000001 + crank_2,
-        crank_7,
-        crank_8,
-    );
-    force[coordinate::COUPLER] = neg_mul_add(
-        0.1 * v_crank,
+    let crank_7 = L::splat(9.81) * cos_crank;
+    let crank_8 = crank_3 * (L::splat(9.81) * sin_crank);
+    force[0] = neg_mul_add(L::splat(0.005000000000000001) + crank_2, crank_7, crank_8);
+    force[1] = neg_mul_add(
+        L::splat(0.1) * v_crank,
         crank_5 * crank_3,
-        mul_sub(0.34335000000000004, cos_crank, mul_sub(crank_2, crank_7, crank_8)),
+        mul_sub(
+            L::splat(0.34335000000000004),
+            cos_crank,
+            mul_sub(crank_2, crank_7, crank_8),
+        ),
     );
     let cos_rocker = cos(q_rocker);
-    force[coordinate::ROCKER] = -0.44145 * cos_rocker;
+    force[2] = L::splat(-0.44145) * cos_rocker;
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -64,73 +67,90 @@ pub fn evaluate(
 /// Bodies: `crank_bar` (fourbar.hdl:15), `coupler_bar` (fourbar.hdl:18), `rocker_bar` (fourbar.hdl:22).
 ///
 /// 79 operations: 6 sums, 23 products, 23 products with sum, 1 division, 3 sines and cosines.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
+#[inline(always)]
+pub fn evaluate_with_matrix<L: Lane>(
+    q: &[L; 3],
+    v: &[L; 3],
+    h: L,
+    momentum: &mut [L; 3],
+    force: &mut [L; 3],
+    matrix: &mut [L; 9],
 ) {
-    let q_crank = q[coordinate::CRANK];
-    let q_coupler = q[coordinate::COUPLER];
-    let q_rocker = q[coordinate::ROCKER];
-    let v_crank = v[coordinate::CRANK];
-    let v_coupler = v[coordinate::COUPLER];
-    let v_rocker = v[coordinate::ROCKER];
+    let q_crank = q[0];
+    let q_coupler = q[1];
+    let q_rocker = q[2];
+    let v_crank = v[0];
+    let v_coupler = v[1];
+    let v_rocker = v[2];
     let (sin_coupler, cos_coupler) = sin_cos(q_coupler);
-    let crank_1 = mul_add(0.175, cos_coupler, 0.1);
-    let crank_2 = 0.35 * crank_1;
-    let crank_3 = 0.06124999999999999 * sin_coupler;
-    let crank_4 = mul_add(crank_1, crank_2, 0.175 * sin_coupler * crank_3);
+    let crank_1 = mul_add(L::splat(0.175), cos_coupler, L::splat(0.1));
+    let crank_2 = L::splat(0.35) * crank_1;
+    let crank_3 = L::splat(0.06124999999999999) * sin_coupler;
+    let crank_4 = mul_add(crank_1, crank_2, L::splat(0.175) * sin_coupler * crank_3);
     let crank_5 = v_crank + v_coupler;
     let crank_6 = neg_mul_add(
         crank_5,
-        0.0035758333333333323 + crank_4,
-        0.1 * v_coupler * crank_2,
+        L::splat(0.0035758333333333323) + crank_4,
+        L::splat(0.1) * v_coupler * crank_2,
     );
-    momentum[coordinate::CRANK] = mul_sub(0.00033416666666666675, v_crank, crank_6);
-    let coupler_1 = neg_mul_add(0.034999999999999996, v_coupler, crank_5 * crank_2);
-    momentum[coordinate::COUPLER] = -mul_add(0.1, coupler_1, crank_6);
-    momentum[coordinate::ROCKER] = 0.0090025 * v_rocker;
-    let crank_7 = 0.005000000000000001 + crank_2;
+    momentum[0] = mul_sub(L::splat(0.00033416666666666675), v_crank, crank_6);
+    let coupler_1 = neg_mul_add(
+        L::splat(0.034999999999999996),
+        v_coupler,
+        crank_5 * crank_2,
+    );
+    momentum[1] = -mul_add(L::splat(0.1), coupler_1, crank_6);
+    momentum[2] = L::splat(0.0090025) * v_rocker;
+    let crank_7 = L::splat(0.005000000000000001) + crank_2;
     let (sin_crank, cos_crank) = sin_cos(q_crank);
-    let crank_8 = 9.81 * cos_crank;
-    let crank_9 = 9.81 * sin_crank;
+    let crank_8 = L::splat(9.81) * cos_crank;
+    let crank_9 = L::splat(9.81) * sin_crank;
     let crank_10 = crank_3 * crank_9;
-    force[coordinate::CRANK] = neg_mul_add(crank_7, crank_8, crank_10);
+    force[0] = neg_mul_add(crank_7, crank_8, crank_10);
     let coupler_2 = crank_5 * crank_3;
-    let coupler_3 = 0.1 * v_crank;
-    force[coordinate::COUPLER] = neg_mul_add(
+    let coupler_3 = L::splat(0.1) * v_crank;
+    force[1] = neg_mul_add(
         coupler_3,
         coupler_2,
-        mul_sub(0.34335000000000004, cos_crank, mul_sub(crank_2, crank_8, crank_10)),
+        mul_sub(
+            L::splat(0.34335000000000004),
+            cos_crank,
+            mul_sub(crank_2, crank_8, crank_10),
+        ),
     );
     let (sin_rocker, cos_rocker) = sin_cos(q_rocker);
-    force[coordinate::ROCKER] = -0.44145 * cos_rocker;
-    let crank_11 = 1.0 / h;
+    force[2] = L::splat(-0.44145) * cos_rocker;
+    let crank_11 = L::splat(1.0) / h;
     let crank_12 = crank_3 * crank_8;
-    let crank_13 = 0.25 * h;
+    let crank_13 = L::splat(0.25) * h;
     matrix[0] = mul_add(
-        -0.003909999999999999 - crank_4,
+        L::splat(-0.003909999999999999) - crank_4,
         crank_11,
         crank_13 * mul_add(crank_7, crank_9, crank_12),
     );
     let crank_14 = crank_11
-        * mul_add(0.034999999999999996, crank_1, -0.0035758333333333323 - crank_4);
-    let crank_15 = -0.034999999999999996 + crank_2;
+        * mul_add(
+            L::splat(0.034999999999999996),
+            crank_1,
+            L::splat(-0.0035758333333333323) - crank_4,
+        );
+    let crank_15 = L::splat(-0.034999999999999996) + crank_2;
     let crank_16 = mul_add(crank_9, crank_15, crank_12);
     let crank_17 = mul_add(crank_13, crank_16, crank_14);
-    let crank_18 = mul_add(coupler_3, crank_3, 0.1 * coupler_2);
-    matrix[1] = mul_add(0.5, crank_18, crank_17);
-    matrix[3] = neg_mul_add(0.5, crank_18, crank_17);
+    let crank_18 = mul_add(coupler_3, crank_3, L::splat(0.1) * coupler_2);
+    matrix[1] = mul_add(L::splat(0.5), crank_18, crank_17);
+    matrix[3] = neg_mul_add(L::splat(0.5), crank_18, crank_17);
     let coupler_4 = mul_add(
         coupler_3,
-        crank_13 * mul_sub(0.034999999999999996, v_crank, coupler_1),
-        mul_add(0.1, crank_11 * crank_15, crank_14),
+        crank_13 * mul_sub(L::splat(0.034999999999999996), v_crank, coupler_1),
+        mul_add(L::splat(0.1), crank_11 * crank_15, crank_14),
     );
     matrix[4] = mul_add(crank_13, crank_16, coupler_4);
-    matrix[8] = neg_mul_add(0.0090025, crank_11, crank_13 * (0.44145 * sin_rocker));
+    matrix[8] = neg_mul_add(
+        L::splat(0.0090025),
+        crank_11,
+        crank_13 * (L::splat(0.44145) * sin_rocker),
+    );
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -140,24 +160,84 @@ pub fn evaluate_with_matrix(
 /// Bodies: `crank_bar` (fourbar.hdl:15), `coupler_bar` (fourbar.hdl:18), `rocker_bar` (fourbar.hdl:22).
 ///
 /// 16 operations: 3 sums, 4 products, 4 products with sum, 1 sine and cosine.
-pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
-    let q_coupler = q[coordinate::COUPLER];
+#[inline(always)]
+pub fn mass_matrix<L: Lane>(q: &[L; 3], matrix: &mut [L; 9]) {
+    let q_coupler = q[1];
     let (sin_coupler, cos_coupler) = sin_cos(q_coupler);
-    let crank_1 = mul_add(0.175, cos_coupler, 0.1);
-    let crank_2 = 0.35 * crank_1;
+    let crank_1 = mul_add(L::splat(0.175), cos_coupler, L::splat(0.1));
+    let crank_2 = L::splat(0.35) * crank_1;
     let crank_3 = mul_add(
         crank_1,
         crank_2,
-        0.175 * sin_coupler * (0.06124999999999999 * sin_coupler),
+        L::splat(0.175) * sin_coupler * (L::splat(0.06124999999999999) * sin_coupler),
     );
-    matrix[0] = 0.003909999999999999 + crank_3;
+    matrix[0] = L::splat(0.003909999999999999) + crank_3;
     let crank_4 = mul_add(
-        0.034999999999999996,
+        L::splat(0.034999999999999996),
         crank_1,
-        -0.0035758333333333323 - crank_3,
+        L::splat(-0.0035758333333333323) - crank_3,
     );
     matrix[1] = -crank_4;
     matrix[3] = -crank_4;
-    matrix[4] = -mul_add(0.1, -0.034999999999999996 + crank_2, crank_4);
-    matrix[8] = 0.0090025;
+    matrix[4] = -mul_add(
+        L::splat(0.1),
+        L::splat(-0.034999999999999996) + crank_2,
+        crank_4,
+    );
+    matrix[8] = L::splat(0.0090025);
+}
+
+/// Where the numbers of each block stand.
+pub static PLACES: [Place<3, 0, 0>; 1] = [
+    Place {
+        coordinates: [0, 1, 2],
+        strands: [],
+        inputs: [],
+        matrix: 0,
+    },
+];
+
+/// Constants of each block.
+pub fn constants(_params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 0]; 1] {
+    [[]]
+}
+
+/// The equations as the integrator sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Equations;
+
+impl Shape<3, 9, 3, 0, 0> for Equations {
+    const CONSTANTS: usize = 0;
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate<L: Lane>(
+        at: &Local<L, 3, 0, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 3],
+        force: &mut [L; 3],
+    ) {
+        self::evaluate(&at.q, &at.v, momentum, force);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate_with_matrix<L: Lane>(
+        at: &Local<L, 3, 0, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 3],
+        force: &mut [L; 3],
+        matrix: &mut [L; 9],
+    ) {
+        self::evaluate_with_matrix(&at.q, &at.v, at.h, momentum, force, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn mass_matrix<L: Lane>(q: &[L; 3], constants: &[f64], matrix: &mut [L; 9]) {
+        self::mass_matrix(q, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn lengths<L: Lane>(q: &[L; 3], constants: &[f64], lengths: &mut [L; 0]) {}
 }

@@ -2,10 +2,10 @@
 
 //! Block `whole` of the step equations.
 
-use crate::layout::{
-    COORDINATES, MATRIX, PARAMETERS, STRANDS, VALUES, coordinate, parameter, strand,
-};
-use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use crate::layout::{PARAMETERS, VALUES, parameter};
+use handc_core::lane::Lane;
+use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
 ///
@@ -16,89 +16,91 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
 /// 2167 operations: 240 sums, 577 products, 615 products with sum, 49 divisions, 49 roots, 22 sines and cosines.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
+#[inline(always)]
+pub fn evaluate<L: Lane>(
+    q: &[L; 26],
+    v: &[L; 26],
+    rest: &[L; 23],
+    constants: &[f64],
+    momentum: &mut [L; 26],
+    force: &mut [L; 26],
 ) {
-    let q_index_ab = q[coordinate::INDEX_AB];
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let q_middle_ab = q[coordinate::MIDDLE_AB];
-    let q_middle_mcp = q[coordinate::MIDDLE_MCP];
-    let q_middle_pip = q[coordinate::MIDDLE_PIP];
-    let q_middle_dip = q[coordinate::MIDDLE_DIP];
-    let q_ring_ab = q[coordinate::RING_AB];
-    let q_ring_mcp = q[coordinate::RING_MCP];
-    let q_ring_pip = q[coordinate::RING_PIP];
-    let q_ring_dip = q[coordinate::RING_DIP];
-    let q_little_ab = q[coordinate::LITTLE_AB];
-    let q_little_mcp = q[coordinate::LITTLE_MCP];
-    let q_little_pip = q[coordinate::LITTLE_PIP];
-    let q_little_dip = q[coordinate::LITTLE_DIP];
-    let q_thumb_ab = q[coordinate::THUMB_AB];
-    let q_thumb_cmc = q[coordinate::THUMB_CMC];
-    let q_thumb_mcp = q[coordinate::THUMB_MCP];
-    let q_thumb_ip = q[coordinate::THUMB_IP];
-    let q_ball_rx = q[coordinate::BALL_RX];
-    let q_ball_ry = q[coordinate::BALL_RY];
-    let v_index_ab = v[coordinate::INDEX_AB];
-    let v_index_mcp = v[coordinate::INDEX_MCP];
-    let v_index_pip = v[coordinate::INDEX_PIP];
-    let v_index_dip = v[coordinate::INDEX_DIP];
-    let v_middle_ab = v[coordinate::MIDDLE_AB];
-    let v_middle_mcp = v[coordinate::MIDDLE_MCP];
-    let v_middle_pip = v[coordinate::MIDDLE_PIP];
-    let v_middle_dip = v[coordinate::MIDDLE_DIP];
-    let v_ring_ab = v[coordinate::RING_AB];
-    let v_ring_mcp = v[coordinate::RING_MCP];
-    let v_ring_pip = v[coordinate::RING_PIP];
-    let v_ring_dip = v[coordinate::RING_DIP];
-    let v_little_ab = v[coordinate::LITTLE_AB];
-    let v_little_mcp = v[coordinate::LITTLE_MCP];
-    let v_little_pip = v[coordinate::LITTLE_PIP];
-    let v_little_dip = v[coordinate::LITTLE_DIP];
-    let v_thumb_ab = v[coordinate::THUMB_AB];
-    let v_thumb_cmc = v[coordinate::THUMB_CMC];
-    let v_thumb_mcp = v[coordinate::THUMB_MCP];
-    let v_thumb_ip = v[coordinate::THUMB_IP];
-    let v_ball_tx = v[coordinate::BALL_TX];
-    let v_ball_ty = v[coordinate::BALL_TY];
-    let v_ball_tz = v[coordinate::BALL_TZ];
-    let v_ball_rx = v[coordinate::BALL_RX];
-    let v_ball_ry = v[coordinate::BALL_RY];
-    let v_ball_rz = v[coordinate::BALL_RZ];
-    let k_flexor = params[parameter::K_FLEXOR];
-    let k_extensor = params[parameter::K_EXTENSOR];
-    let k_intrinsic = params[parameter::K_INTRINSIC];
-    let damping = params[parameter::DAMPING];
-    let rest_index_fdp = rest[strand::INDEX_FDP];
-    let rest_index_edc = rest[strand::INDEX_EDC];
-    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
-    let rest_index_band = rest[strand::INDEX_BAND];
-    let rest_middle_fdp = rest[strand::MIDDLE_FDP];
-    let rest_middle_edc = rest[strand::MIDDLE_EDC];
-    let rest_middle_interosseous = rest[strand::MIDDLE_INTEROSSEOUS];
-    let rest_middle_band = rest[strand::MIDDLE_BAND];
-    let rest_ring_fdp = rest[strand::RING_FDP];
-    let rest_ring_edc = rest[strand::RING_EDC];
-    let rest_ring_interosseous = rest[strand::RING_INTEROSSEOUS];
-    let rest_ring_band = rest[strand::RING_BAND];
-    let rest_little_fdp = rest[strand::LITTLE_FDP];
-    let rest_little_edc = rest[strand::LITTLE_EDC];
-    let rest_little_interosseous = rest[strand::LITTLE_INTEROSSEOUS];
-    let rest_little_band = rest[strand::LITTLE_BAND];
-    let rest_thumb_fpl = rest[strand::THUMB_FPL];
-    let rest_thumb_epl = rest[strand::THUMB_EPL];
-    let rest_thumb_epb = rest[strand::THUMB_EPB];
-    let rest_thumb_apl = rest[strand::THUMB_APL];
-    let rest_thumb_apb = rest[strand::THUMB_APB];
-    let rest_thumb_opp = rest[strand::THUMB_OPP];
-    let rest_thumb_adp = rest[strand::THUMB_ADP];
+    let constants = &constants[..4 * L::WIDTH];
+    let q_index_ab = q[0];
+    let q_index_mcp = q[1];
+    let q_index_pip = q[2];
+    let q_index_dip = q[3];
+    let q_middle_ab = q[4];
+    let q_middle_mcp = q[5];
+    let q_middle_pip = q[6];
+    let q_middle_dip = q[7];
+    let q_ring_ab = q[8];
+    let q_ring_mcp = q[9];
+    let q_ring_pip = q[10];
+    let q_ring_dip = q[11];
+    let q_little_ab = q[12];
+    let q_little_mcp = q[13];
+    let q_little_pip = q[14];
+    let q_little_dip = q[15];
+    let q_thumb_ab = q[16];
+    let q_thumb_cmc = q[17];
+    let q_thumb_mcp = q[18];
+    let q_thumb_ip = q[19];
+    let q_ball_rx = q[23];
+    let q_ball_ry = q[24];
+    let v_index_ab = v[0];
+    let v_index_mcp = v[1];
+    let v_index_pip = v[2];
+    let v_index_dip = v[3];
+    let v_middle_ab = v[4];
+    let v_middle_mcp = v[5];
+    let v_middle_pip = v[6];
+    let v_middle_dip = v[7];
+    let v_ring_ab = v[8];
+    let v_ring_mcp = v[9];
+    let v_ring_pip = v[10];
+    let v_ring_dip = v[11];
+    let v_little_ab = v[12];
+    let v_little_mcp = v[13];
+    let v_little_pip = v[14];
+    let v_little_dip = v[15];
+    let v_thumb_ab = v[16];
+    let v_thumb_cmc = v[17];
+    let v_thumb_mcp = v[18];
+    let v_thumb_ip = v[19];
+    let v_ball_tx = v[20];
+    let v_ball_ty = v[21];
+    let v_ball_tz = v[22];
+    let v_ball_rx = v[23];
+    let v_ball_ry = v[24];
+    let v_ball_rz = v[25];
+    let rest_index_fdp = rest[0];
+    let rest_index_edc = rest[1];
+    let rest_index_interosseous = rest[2];
+    let rest_index_band = rest[3];
+    let rest_middle_fdp = rest[4];
+    let rest_middle_edc = rest[5];
+    let rest_middle_interosseous = rest[6];
+    let rest_middle_band = rest[7];
+    let rest_ring_fdp = rest[8];
+    let rest_ring_edc = rest[9];
+    let rest_ring_interosseous = rest[10];
+    let rest_ring_band = rest[11];
+    let rest_little_fdp = rest[12];
+    let rest_little_edc = rest[13];
+    let rest_little_interosseous = rest[14];
+    let rest_little_band = rest[15];
+    let rest_thumb_fpl = rest[16];
+    let rest_thumb_epl = rest[17];
+    let rest_thumb_epb = rest[18];
+    let rest_thumb_apl = rest[19];
+    let rest_thumb_apb = rest[20];
+    let rest_thumb_opp = rest[21];
+    let rest_thumb_adp = rest[22];
+    let c_0 = L::load(&constants[0 * L::WIDTH..]);
+    let c_1 = L::load(&constants[1 * L::WIDTH..]);
+    let c_2 = L::load(&constants[2 * L::WIDTH..]);
+    let c_3 = L::load(&constants[3 * L::WIDTH..]);
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
     let index_ab_1 = mul_sub(
@@ -106,9 +108,13 @@ pub fn evaluate(
         cos_index_dip,
         sin_index_pip * sin_index_dip,
     );
-    let index_ab_2 = mul_add(0.0224, cos_index_pip, 0.039799999999999995);
-    let index_ab_3 = mul_add(0.0079, index_ab_1, index_ab_2);
-    let index_ab_4 = 0.0026754431356501404 * index_ab_3;
+    let index_ab_2 = mul_add(
+        L::splat(0.0224),
+        cos_index_pip,
+        L::splat(0.039799999999999995),
+    );
+    let index_ab_3 = mul_add(L::splat(0.0079), index_ab_1, index_ab_2);
+    let index_ab_4 = L::splat(0.0026754431356501404) * index_ab_3;
     let index_ab_5 = mul_add(
         sin_index_pip,
         cos_index_dip,
@@ -116,89 +122,97 @@ pub fn evaluate(
     );
     let index_ab_6 = neg_mul_add(
         index_ab_5,
-        2.2883956953594213e-8 * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, 8.843231377702265e-8),
+        L::splat(2.2883956953594213e-8) * index_ab_5,
+        mul_add(index_ab_3, index_ab_4, L::splat(8.843231377702265e-8)),
     );
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
     let index_ab_7 = v_index_ab * cos_index_mcp;
-    let index_ab_8 = 0.0224 * sin_index_pip;
-    let index_ab_9 = mul_add(0.0079, index_ab_5, index_ab_8);
-    let index_ab_10 = 2.2883956953594213e-8 * index_ab_1;
+    let index_ab_8 = L::splat(0.0224) * sin_index_pip;
+    let index_ab_9 = mul_add(L::splat(0.0079), index_ab_5, index_ab_8);
+    let index_ab_10 = L::splat(2.2883956953594213e-8) * index_ab_1;
     let index_ab_11 = mul_add(index_ab_9, index_ab_4, index_ab_5 * index_ab_10);
     let index_ab_12 = v_index_ab * sin_index_mcp;
     let index_ab_13 = neg_mul_add(index_ab_12, index_ab_11, index_ab_7 * index_ab_6);
-    let index_ab_14 = mul_add(0.0112, cos_index_pip, 0.039799999999999995);
-    let index_ab_15 = 0.0049541659510049605 * index_ab_14;
+    let index_ab_14 = mul_add(
+        L::splat(0.0112),
+        cos_index_pip,
+        L::splat(0.039799999999999995),
+    );
+    let index_ab_15 = L::splat(0.0049541659510049605) * index_ab_14;
     let index_ab_16 = neg_mul_add(
         sin_index_pip,
-        1.2788353708194133e-7 * sin_index_pip,
-        mul_add(index_ab_14, index_ab_15, 2.8641684751410007e-7),
+        L::splat(1.2788353708194133e-7) * sin_index_pip,
+        mul_add(index_ab_14, index_ab_15, L::splat(2.8641684751410007e-7)),
     );
-    let index_ab_17 = 0.0112 * sin_index_pip;
-    let index_ab_18 = 1.2788353708194133e-7 * cos_index_pip;
+    let index_ab_17 = L::splat(0.0112) * sin_index_pip;
+    let index_ab_18 = L::splat(1.2788353708194133e-7) * cos_index_pip;
     let index_ab_19 = mul_add(index_ab_17, index_ab_15, sin_index_pip * index_ab_18);
     let index_ab_20 = neg_mul_add(index_ab_12, index_ab_19, index_ab_7 * index_ab_16)
         + index_ab_13;
-    let index_ab_21 = mul_add(6.108011569195822e-6, index_ab_7, index_ab_20);
-    let index_ab_22 = 0.0026754431356501404 * index_ab_9;
+    let index_ab_21 = mul_add(L::splat(6.108011569195822e-6), index_ab_7, index_ab_20);
+    let index_ab_22 = L::splat(0.0026754431356501404) * index_ab_9;
     let index_ab_23 = index_ab_9 * index_ab_22;
     let index_ab_24 = neg_mul_add(
         index_ab_12,
-        neg_mul_add(index_ab_1, index_ab_10, 8.843231377702265e-8 + index_ab_23),
+        neg_mul_add(
+            index_ab_1,
+            index_ab_10,
+            L::splat(8.843231377702265e-8) + index_ab_23,
+        ),
         index_ab_7 * index_ab_11,
     );
-    let index_ab_25 = 5.5486658651255556e-5 * sin_index_pip;
+    let index_ab_25 = L::splat(5.5486658651255556e-5) * sin_index_pip;
     let index_ab_26 = index_ab_17 * index_ab_25;
     let index_ab_27 = neg_mul_add(
         index_ab_12,
-        neg_mul_add(cos_index_pip, index_ab_18, 2.8641684751410007e-7 + index_ab_26),
+        neg_mul_add(
+            cos_index_pip,
+            index_ab_18,
+            L::splat(2.8641684751410007e-7) + index_ab_26,
+        ),
         index_ab_7 * index_ab_19,
     );
     let index_ab_28 = index_ab_27 + index_ab_24;
-    let index_ab_29 = neg_mul_add(4.511964479704354e-7, index_ab_12, index_ab_28);
-    momentum[coordinate::INDEX_AB] = neg_mul_add(
-        sin_index_mcp,
-        index_ab_29,
-        cos_index_mcp * index_ab_21,
+    let index_ab_29 = neg_mul_add(
+        L::splat(4.511964479704354e-7),
+        index_ab_12,
+        index_ab_28,
     );
+    momentum[0] = neg_mul_add(sin_index_mcp, index_ab_29, cos_index_mcp * index_ab_21);
     let index_mcp_1 = v_index_mcp + v_index_pip;
     let index_mcp_2 = v_index_dip + index_mcp_1;
-    let index_mcp_3 = 0.039799999999999995 * v_index_pip;
+    let index_mcp_3 = L::splat(0.039799999999999995) * v_index_pip;
     let index_mcp_4 = mul_add(v_index_dip, index_ab_2, index_mcp_3);
     let index_mcp_5 = v_index_dip * index_ab_8;
     let index_mcp_6 = mul_sub(
         index_mcp_2,
-        8.843231377702265e-8 + mul_add(index_ab_3, index_ab_4, index_ab_23),
+        L::splat(8.843231377702265e-8) + mul_add(index_ab_3, index_ab_4, index_ab_23),
         mul_add(index_mcp_5, index_ab_22, index_mcp_4 * index_ab_4),
     );
     let index_mcp_7 = mul_sub(
         index_mcp_1,
-        2.8641684751410007e-7 + mul_add(index_ab_14, index_ab_15, index_ab_26),
+        L::splat(2.8641684751410007e-7) + mul_add(index_ab_14, index_ab_15, index_ab_26),
         index_mcp_3 * index_ab_15,
     );
     let index_mcp_8 = index_mcp_7 + index_mcp_6;
-    momentum[coordinate::INDEX_MCP] = mul_add(
-        6.108011569195822e-6,
-        v_index_mcp,
-        index_mcp_8,
-    );
+    momentum[1] = mul_add(L::splat(6.108011569195822e-6), v_index_mcp, index_mcp_8);
     let index_pip_1 = mul_sub(
-        0.0026754431356501404,
+        L::splat(0.0026754431356501404),
         index_mcp_4,
         index_mcp_2 * index_ab_4,
     );
-    momentum[coordinate::INDEX_PIP] = mul_add(
-        0.039799999999999995,
-        mul_sub(0.0001971758048499974, v_index_pip, index_mcp_1 * index_ab_15)
+    momentum[2] = mul_add(
+        L::splat(0.039799999999999995),
+        mul_sub(L::splat(0.0001971758048499974), v_index_pip, index_mcp_1 * index_ab_15)
             + index_pip_1,
         index_mcp_8,
     );
     let index_dip_1 = mul_sub(
-        0.0026754431356501404,
+        L::splat(0.0026754431356501404),
         index_mcp_5,
         index_mcp_2 * index_ab_22,
     );
-    momentum[coordinate::INDEX_DIP] = index_mcp_6
+    momentum[3] = index_mcp_6
         + mul_add(index_ab_8, index_dip_1, index_ab_2 * index_pip_1);
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
@@ -207,9 +221,9 @@ pub fn evaluate(
         cos_middle_dip,
         sin_middle_pip * sin_middle_dip,
     );
-    let middle_ab_2 = mul_add(0.0263, cos_middle_pip, 0.0446);
-    let middle_ab_3 = mul_add(0.0087, middle_ab_1, middle_ab_2);
-    let middle_ab_4 = 0.0029463740860957233 * middle_ab_3;
+    let middle_ab_2 = mul_add(L::splat(0.0263), cos_middle_pip, L::splat(0.0446));
+    let middle_ab_3 = mul_add(L::splat(0.0087), middle_ab_1, middle_ab_2);
+    let middle_ab_4 = L::splat(0.0029463740860957233) * middle_ab_3;
     let middle_ab_5 = mul_add(
         sin_middle_pip,
         cos_middle_dip,
@@ -217,14 +231,14 @@ pub fn evaluate(
     );
     let middle_ab_6 = neg_mul_add(
         middle_ab_5,
-        3.8243935637522495e-8 * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, 1.1043010074686771e-7),
+        L::splat(3.8243935637522495e-8) * middle_ab_5,
+        mul_add(middle_ab_3, middle_ab_4, L::splat(1.1043010074686771e-7)),
     );
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let middle_ab_7 = v_middle_ab * cos_middle_mcp;
-    let middle_ab_8 = 0.0263 * sin_middle_pip;
-    let middle_ab_9 = mul_add(0.0087, middle_ab_5, middle_ab_8);
-    let middle_ab_10 = 3.8243935637522495e-8 * middle_ab_1;
+    let middle_ab_8 = L::splat(0.0263) * sin_middle_pip;
+    let middle_ab_9 = mul_add(L::splat(0.0087), middle_ab_5, middle_ab_8);
+    let middle_ab_10 = L::splat(3.8243935637522495e-8) * middle_ab_1;
     let middle_ab_11 = mul_add(middle_ab_9, middle_ab_4, middle_ab_5 * middle_ab_10);
     let middle_ab_12 = v_middle_ab * sin_middle_mcp;
     let middle_ab_13 = neg_mul_add(
@@ -232,15 +246,15 @@ pub fn evaluate(
         middle_ab_11,
         middle_ab_7 * middle_ab_6,
     );
-    let middle_ab_14 = mul_add(0.01315, cos_middle_pip, 0.0446);
-    let middle_ab_15 = 0.005816721629974574 * middle_ab_14;
+    let middle_ab_14 = mul_add(L::splat(0.01315), cos_middle_pip, L::splat(0.0446));
+    let middle_ab_15 = L::splat(0.005816721629974574) * middle_ab_14;
     let middle_ab_16 = neg_mul_add(
         sin_middle_pip,
-        2.422131359401662e-7 * sin_middle_pip,
-        mul_add(middle_ab_14, middle_ab_15, 4.283482280993526e-7),
+        L::splat(2.422131359401662e-7) * sin_middle_pip,
+        mul_add(middle_ab_14, middle_ab_15, L::splat(4.283482280993526e-7)),
     );
-    let middle_ab_17 = 0.01315 * sin_middle_pip;
-    let middle_ab_18 = 2.422131359401662e-7 * cos_middle_pip;
+    let middle_ab_17 = L::splat(0.01315) * sin_middle_pip;
+    let middle_ab_18 = L::splat(2.422131359401662e-7) * cos_middle_pip;
     let middle_ab_19 = mul_add(
         middle_ab_17,
         middle_ab_15,
@@ -251,152 +265,176 @@ pub fn evaluate(
         middle_ab_19,
         middle_ab_7 * middle_ab_16,
     ) + middle_ab_13;
-    let middle_ab_21 = mul_add(8.530529217154657e-6, middle_ab_7, middle_ab_20);
-    let middle_ab_22 = 0.0029463740860957233 * middle_ab_9;
+    let middle_ab_21 = mul_add(
+        L::splat(8.530529217154657e-6),
+        middle_ab_7,
+        middle_ab_20,
+    );
+    let middle_ab_22 = L::splat(0.0029463740860957233) * middle_ab_9;
     let middle_ab_23 = middle_ab_9 * middle_ab_22;
     let middle_ab_24 = neg_mul_add(
         middle_ab_12,
-        neg_mul_add(middle_ab_1, middle_ab_10, 1.1043010074686771e-7 + middle_ab_23),
+        neg_mul_add(
+            middle_ab_1,
+            middle_ab_10,
+            L::splat(1.1043010074686771e-7) + middle_ab_23,
+        ),
         middle_ab_7 * middle_ab_11,
     );
-    let middle_ab_25 = 7.648988943416565e-5 * sin_middle_pip;
+    let middle_ab_25 = L::splat(7.648988943416565e-5) * sin_middle_pip;
     let middle_ab_26 = middle_ab_17 * middle_ab_25;
     let middle_ab_27 = neg_mul_add(
         middle_ab_12,
-        neg_mul_add(cos_middle_pip, middle_ab_18, 4.283482280993526e-7 + middle_ab_26),
+        neg_mul_add(
+            cos_middle_pip,
+            middle_ab_18,
+            L::splat(4.283482280993526e-7) + middle_ab_26,
+        ),
         middle_ab_7 * middle_ab_19,
     );
     let middle_ab_28 = middle_ab_27 + middle_ab_24;
-    let middle_ab_29 = neg_mul_add(5.056120999869704e-7, middle_ab_12, middle_ab_28);
-    momentum[coordinate::MIDDLE_AB] = neg_mul_add(
+    let middle_ab_29 = neg_mul_add(
+        L::splat(5.056120999869704e-7),
+        middle_ab_12,
+        middle_ab_28,
+    );
+    momentum[4] = neg_mul_add(
         sin_middle_mcp,
         middle_ab_29,
         cos_middle_mcp * middle_ab_21,
     );
     let middle_mcp_1 = v_middle_mcp + v_middle_pip;
     let middle_mcp_2 = v_middle_dip + middle_mcp_1;
-    let middle_mcp_3 = 0.0446 * v_middle_pip;
+    let middle_mcp_3 = L::splat(0.0446) * v_middle_pip;
     let middle_mcp_4 = mul_add(v_middle_dip, middle_ab_2, middle_mcp_3);
     let middle_mcp_5 = v_middle_dip * middle_ab_8;
     let middle_mcp_6 = mul_sub(
         middle_mcp_2,
-        1.1043010074686771e-7 + mul_add(middle_ab_3, middle_ab_4, middle_ab_23),
+        L::splat(1.1043010074686771e-7)
+            + mul_add(middle_ab_3, middle_ab_4, middle_ab_23),
         mul_add(middle_mcp_5, middle_ab_22, middle_mcp_4 * middle_ab_4),
     );
     let middle_mcp_7 = mul_sub(
         middle_mcp_1,
-        4.283482280993526e-7 + mul_add(middle_ab_14, middle_ab_15, middle_ab_26),
+        L::splat(4.283482280993526e-7)
+            + mul_add(middle_ab_14, middle_ab_15, middle_ab_26),
         middle_mcp_3 * middle_ab_15,
     );
     let middle_mcp_8 = middle_mcp_7 + middle_mcp_6;
-    momentum[coordinate::MIDDLE_MCP] = mul_add(
-        8.530529217154657e-6,
-        v_middle_mcp,
-        middle_mcp_8,
-    );
+    momentum[5] = mul_add(L::splat(8.530529217154657e-6), v_middle_mcp, middle_mcp_8);
     let middle_pip_1 = mul_sub(
-        0.0029463740860957233,
+        L::splat(0.0029463740860957233),
         middle_mcp_4,
         middle_mcp_2 * middle_ab_4,
     );
-    momentum[coordinate::MIDDLE_PIP] = mul_add(
-        0.0446,
-        mul_sub(0.000259425784696866, v_middle_pip, middle_mcp_1 * middle_ab_15)
-            + middle_pip_1,
+    momentum[6] = mul_add(
+        L::splat(0.0446),
+        mul_sub(
+            L::splat(0.000259425784696866),
+            v_middle_pip,
+            middle_mcp_1 * middle_ab_15,
+        ) + middle_pip_1,
         middle_mcp_8,
     );
     let middle_dip_1 = mul_sub(
-        0.0029463740860957233,
+        L::splat(0.0029463740860957233),
         middle_mcp_5,
         middle_mcp_2 * middle_ab_22,
     );
-    momentum[coordinate::MIDDLE_DIP] = middle_mcp_6
+    momentum[7] = middle_mcp_6
         + mul_add(middle_ab_8, middle_dip_1, middle_ab_2 * middle_pip_1);
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
     let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(0.0257, cos_ring_pip, 0.0414);
-    let ring_ab_3 = mul_add(0.00865, ring_ab_1, ring_ab_2);
-    let ring_ab_4 = 0.0029294409016928746 * ring_ab_3;
+    let ring_ab_2 = mul_add(L::splat(0.0257), cos_ring_pip, L::splat(0.0414));
+    let ring_ab_3 = mul_add(L::splat(0.00865), ring_ab_1, ring_ab_2);
+    let ring_ab_4 = L::splat(0.0029294409016928746) * ring_ab_3;
     let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
     let ring_ab_6 = neg_mul_add(
         ring_ab_5,
-        3.717704624323398e-8 * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, 1.089483483347094e-7),
+        L::splat(3.717704624323398e-8) * ring_ab_5,
+        mul_add(ring_ab_3, ring_ab_4, L::splat(1.089483483347094e-7)),
     );
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let ring_ab_7 = v_ring_ab * cos_ring_mcp;
-    let ring_ab_8 = 0.0257 * sin_ring_pip;
-    let ring_ab_9 = mul_add(0.00865, ring_ab_5, ring_ab_8);
-    let ring_ab_10 = 3.717704624323398e-8 * ring_ab_1;
+    let ring_ab_8 = L::splat(0.0257) * sin_ring_pip;
+    let ring_ab_9 = mul_add(L::splat(0.00865), ring_ab_5, ring_ab_8);
+    let ring_ab_10 = L::splat(3.717704624323398e-8) * ring_ab_1;
     let ring_ab_11 = mul_add(ring_ab_9, ring_ab_4, ring_ab_5 * ring_ab_10);
     let ring_ab_12 = v_ring_ab * sin_ring_mcp;
     let ring_ab_13 = neg_mul_add(ring_ab_12, ring_ab_11, ring_ab_7 * ring_ab_6);
-    let ring_ab_14 = mul_add(0.01285, cos_ring_pip, 0.0414);
-    let ring_ab_15 = 0.005684020756286941 * ring_ab_14;
+    let ring_ab_14 = mul_add(L::splat(0.01285), cos_ring_pip, L::splat(0.0414));
+    let ring_ab_15 = L::splat(0.005684020756286941) * ring_ab_14;
     let ring_ab_16 = neg_mul_add(
         sin_ring_pip,
-        2.2190890700940578e-7 * sin_ring_pip,
-        mul_add(ring_ab_14, ring_ab_15, 4.037975712105879e-7),
+        L::splat(2.2190890700940578e-7) * sin_ring_pip,
+        mul_add(ring_ab_14, ring_ab_15, L::splat(4.037975712105879e-7)),
     );
-    let ring_ab_17 = 0.01285 * sin_ring_pip;
-    let ring_ab_18 = 2.2190890700940578e-7 * cos_ring_pip;
+    let ring_ab_17 = L::splat(0.01285) * sin_ring_pip;
+    let ring_ab_18 = L::splat(2.2190890700940578e-7) * cos_ring_pip;
     let ring_ab_19 = mul_add(ring_ab_17, ring_ab_15, sin_ring_pip * ring_ab_18);
     let ring_ab_20 = neg_mul_add(ring_ab_12, ring_ab_19, ring_ab_7 * ring_ab_16)
         + ring_ab_13;
-    let ring_ab_21 = mul_add(6.855419880173114e-6, ring_ab_7, ring_ab_20);
-    let ring_ab_22 = 0.0029294409016928746 * ring_ab_9;
+    let ring_ab_21 = mul_add(L::splat(6.855419880173114e-6), ring_ab_7, ring_ab_20);
+    let ring_ab_22 = L::splat(0.0029294409016928746) * ring_ab_9;
     let ring_ab_23 = ring_ab_9 * ring_ab_22;
     let ring_ab_24 = neg_mul_add(
         ring_ab_12,
-        neg_mul_add(ring_ab_1, ring_ab_10, 1.089483483347094e-7 + ring_ab_23),
+        neg_mul_add(ring_ab_1, ring_ab_10, L::splat(1.089483483347094e-7) + ring_ab_23),
         ring_ab_7 * ring_ab_11,
     );
-    let ring_ab_25 = 7.303966671828719e-5 * sin_ring_pip;
+    let ring_ab_25 = L::splat(7.303966671828719e-5) * sin_ring_pip;
     let ring_ab_26 = ring_ab_17 * ring_ab_25;
     let ring_ab_27 = neg_mul_add(
         ring_ab_12,
-        neg_mul_add(cos_ring_pip, ring_ab_18, 4.037975712105879e-7 + ring_ab_26),
+        neg_mul_add(
+            cos_ring_pip,
+            ring_ab_18,
+            L::splat(4.037975712105879e-7) + ring_ab_26,
+        ),
         ring_ab_7 * ring_ab_19,
     );
     let ring_ab_28 = ring_ab_27 + ring_ab_24;
-    let ring_ab_29 = neg_mul_add(4.6933499864261383e-7, ring_ab_12, ring_ab_28);
-    momentum[coordinate::RING_AB] = neg_mul_add(
-        sin_ring_mcp,
-        ring_ab_29,
-        cos_ring_mcp * ring_ab_21,
+    let ring_ab_29 = neg_mul_add(
+        L::splat(4.6933499864261383e-7),
+        ring_ab_12,
+        ring_ab_28,
     );
+    momentum[8] = neg_mul_add(sin_ring_mcp, ring_ab_29, cos_ring_mcp * ring_ab_21);
     let ring_mcp_1 = v_ring_mcp + v_ring_pip;
     let ring_mcp_2 = v_ring_dip + ring_mcp_1;
-    let ring_mcp_3 = 0.0414 * v_ring_pip;
+    let ring_mcp_3 = L::splat(0.0414) * v_ring_pip;
     let ring_mcp_4 = mul_add(v_ring_dip, ring_ab_2, ring_mcp_3);
     let ring_mcp_5 = v_ring_dip * ring_ab_8;
     let ring_mcp_6 = mul_sub(
         ring_mcp_2,
-        1.089483483347094e-7 + mul_add(ring_ab_3, ring_ab_4, ring_ab_23),
+        L::splat(1.089483483347094e-7) + mul_add(ring_ab_3, ring_ab_4, ring_ab_23),
         mul_add(ring_mcp_5, ring_ab_22, ring_mcp_4 * ring_ab_4),
     );
     let ring_mcp_7 = mul_sub(
         ring_mcp_1,
-        4.037975712105879e-7 + mul_add(ring_ab_14, ring_ab_15, ring_ab_26),
+        L::splat(4.037975712105879e-7) + mul_add(ring_ab_14, ring_ab_15, ring_ab_26),
         ring_mcp_3 * ring_ab_15,
     );
     let ring_mcp_8 = ring_mcp_7 + ring_mcp_6;
-    momentum[coordinate::RING_MCP] = mul_add(
-        6.855419880173114e-6,
-        v_ring_mcp,
-        ring_mcp_8,
+    momentum[9] = mul_add(L::splat(6.855419880173114e-6), v_ring_mcp, ring_mcp_8);
+    let ring_pip_1 = mul_sub(
+        L::splat(0.0029294409016928746),
+        ring_mcp_4,
+        ring_mcp_2 * ring_ab_4,
     );
-    let ring_pip_1 = mul_sub(0.0029294409016928746, ring_mcp_4, ring_mcp_2 * ring_ab_4);
-    momentum[coordinate::RING_PIP] = mul_add(
-        0.0414,
-        mul_sub(0.00023531845931027933, v_ring_pip, ring_mcp_1 * ring_ab_15)
+    momentum[10] = mul_add(
+        L::splat(0.0414),
+        mul_sub(L::splat(0.00023531845931027933), v_ring_pip, ring_mcp_1 * ring_ab_15)
             + ring_pip_1,
         ring_mcp_8,
     );
-    let ring_dip_1 = mul_sub(0.0029294409016928746, ring_mcp_5, ring_mcp_2 * ring_ab_22);
-    momentum[coordinate::RING_DIP] = ring_mcp_6
-        + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
+    let ring_dip_1 = mul_sub(
+        L::splat(0.0029294409016928746),
+        ring_mcp_5,
+        ring_mcp_2 * ring_ab_22,
+    );
+    momentum[11] = ring_mcp_6 + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
     let little_ab_1 = mul_sub(
@@ -404,9 +442,9 @@ pub fn evaluate(
         cos_little_dip,
         sin_little_pip * sin_little_dip,
     );
-    let little_ab_2 = mul_add(0.0181, cos_little_pip, 0.0327);
-    let little_ab_3 = mul_add(0.008, little_ab_1, little_ab_2);
-    let little_ab_4 = 0.002709309504455838 * little_ab_3;
+    let little_ab_2 = mul_add(L::splat(0.0181), cos_little_pip, L::splat(0.0327));
+    let little_ab_3 = mul_add(L::splat(0.008), little_ab_1, little_ab_2);
+    let little_ab_4 = L::splat(0.002709309504455838) * little_ab_3;
     let little_ab_5 = mul_add(
         sin_little_pip,
         cos_little_dip,
@@ -414,14 +452,14 @@ pub fn evaluate(
     );
     let little_ab_6 = neg_mul_add(
         little_ab_5,
-        2.4609561332140534e-8 * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, 9.098764419130856e-8),
+        L::splat(2.4609561332140534e-8) * little_ab_5,
+        mul_add(little_ab_3, little_ab_4, L::splat(9.098764419130856e-8)),
     );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
     let little_ab_7 = v_little_ab * cos_little_mcp;
-    let little_ab_8 = 0.0181 * sin_little_pip;
-    let little_ab_9 = mul_add(0.008, little_ab_5, little_ab_8);
-    let little_ab_10 = 2.4609561332140534e-8 * little_ab_1;
+    let little_ab_8 = L::splat(0.0181) * sin_little_pip;
+    let little_ab_9 = mul_add(L::splat(0.008), little_ab_5, little_ab_8);
+    let little_ab_10 = L::splat(2.4609561332140534e-8) * little_ab_1;
     let little_ab_11 = mul_add(little_ab_9, little_ab_4, little_ab_5 * little_ab_10);
     let little_ab_12 = v_little_ab * sin_little_mcp;
     let little_ab_13 = neg_mul_add(
@@ -429,15 +467,15 @@ pub fn evaluate(
         little_ab_11,
         little_ab_7 * little_ab_6,
     );
-    let little_ab_14 = mul_add(0.00905, cos_little_pip, 0.0327);
-    let little_ab_15 = 0.004003143022910258 * little_ab_14;
+    let little_ab_14 = mul_add(L::splat(0.00905), cos_little_pip, L::splat(0.0327));
+    let little_ab_15 = L::splat(0.004003143022910258) * little_ab_14;
     let little_ab_16 = neg_mul_add(
         sin_little_pip,
-        4.523885211140502e-8 * sin_little_pip,
-        mul_add(little_ab_14, little_ab_15, 1.7333942884453325e-7),
+        L::splat(4.523885211140502e-8) * sin_little_pip,
+        mul_add(little_ab_14, little_ab_15, L::splat(1.7333942884453325e-7)),
     );
-    let little_ab_17 = 0.00905 * sin_little_pip;
-    let little_ab_18 = 4.523885211140502e-8 * cos_little_pip;
+    let little_ab_17 = L::splat(0.00905) * sin_little_pip;
+    let little_ab_18 = L::splat(4.523885211140502e-8) * cos_little_pip;
     let little_ab_19 = mul_add(
         little_ab_17,
         little_ab_15,
@@ -448,258 +486,308 @@ pub fn evaluate(
         little_ab_19,
         little_ab_7 * little_ab_16,
     ) + little_ab_13;
-    let little_ab_21 = mul_add(3.4478462505758233e-6, little_ab_7, little_ab_20);
-    let little_ab_22 = 0.002709309504455838 * little_ab_9;
+    let little_ab_21 = mul_add(
+        L::splat(3.4478462505758233e-6),
+        little_ab_7,
+        little_ab_20,
+    );
+    let little_ab_22 = L::splat(0.002709309504455838) * little_ab_9;
     let little_ab_23 = little_ab_9 * little_ab_22;
     let little_ab_24 = neg_mul_add(
         little_ab_12,
-        neg_mul_add(little_ab_1, little_ab_10, 9.098764419130856e-8 + little_ab_23),
+        neg_mul_add(
+            little_ab_1,
+            little_ab_10,
+            L::splat(9.098764419130856e-8) + little_ab_23,
+        ),
         little_ab_7 * little_ab_11,
     );
-    let little_ab_25 = 3.622844435733784e-5 * sin_little_pip;
+    let little_ab_25 = L::splat(3.622844435733784e-5) * sin_little_pip;
     let little_ab_26 = little_ab_17 * little_ab_25;
     let little_ab_27 = neg_mul_add(
         little_ab_12,
-        neg_mul_add(cos_little_pip, little_ab_18, 1.7333942884453325e-7 + little_ab_26),
+        neg_mul_add(
+            cos_little_pip,
+            little_ab_18,
+            L::splat(1.7333942884453325e-7) + little_ab_26,
+        ),
         little_ab_7 * little_ab_19,
     );
     let little_ab_28 = little_ab_27 + little_ab_24;
-    let little_ab_29 = neg_mul_add(3.7070662936264426e-7, little_ab_12, little_ab_28);
-    momentum[coordinate::LITTLE_AB] = neg_mul_add(
+    let little_ab_29 = neg_mul_add(
+        L::splat(3.7070662936264426e-7),
+        little_ab_12,
+        little_ab_28,
+    );
+    momentum[12] = neg_mul_add(
         sin_little_mcp,
         little_ab_29,
         cos_little_mcp * little_ab_21,
     );
     let little_mcp_1 = v_little_mcp + v_little_pip;
     let little_mcp_2 = v_little_dip + little_mcp_1;
-    let little_mcp_3 = 0.0327 * v_little_pip;
+    let little_mcp_3 = L::splat(0.0327) * v_little_pip;
     let little_mcp_4 = mul_add(v_little_dip, little_ab_2, little_mcp_3);
     let little_mcp_5 = v_little_dip * little_ab_8;
     let little_mcp_6 = mul_sub(
         little_mcp_2,
-        9.098764419130856e-8 + mul_add(little_ab_3, little_ab_4, little_ab_23),
+        L::splat(9.098764419130856e-8) + mul_add(little_ab_3, little_ab_4, little_ab_23),
         mul_add(little_mcp_5, little_ab_22, little_mcp_4 * little_ab_4),
     );
     let little_mcp_7 = mul_sub(
         little_mcp_1,
-        1.7333942884453325e-7 + mul_add(little_ab_14, little_ab_15, little_ab_26),
+        L::splat(1.7333942884453325e-7)
+            + mul_add(little_ab_14, little_ab_15, little_ab_26),
         little_mcp_3 * little_ab_15,
     );
     let little_mcp_8 = little_mcp_7 + little_mcp_6;
-    momentum[coordinate::LITTLE_MCP] = mul_add(
-        3.4478462505758233e-6,
-        v_little_mcp,
-        little_mcp_8,
-    );
+    momentum[13] = mul_add(L::splat(3.4478462505758233e-6), v_little_mcp, little_mcp_8);
     let little_pip_1 = mul_sub(
-        0.002709309504455838,
+        L::splat(0.002709309504455838),
         little_mcp_4,
         little_mcp_2 * little_ab_4,
     );
-    momentum[coordinate::LITTLE_PIP] = mul_add(
-        0.0327,
-        mul_sub(0.00013090277684916541, v_little_pip, little_mcp_1 * little_ab_15)
-            + little_pip_1,
+    momentum[14] = mul_add(
+        L::splat(0.0327),
+        mul_sub(
+            L::splat(0.00013090277684916541),
+            v_little_pip,
+            little_mcp_1 * little_ab_15,
+        ) + little_pip_1,
         little_mcp_8,
     );
     let little_dip_1 = mul_sub(
-        0.002709309504455838,
+        L::splat(0.002709309504455838),
         little_mcp_5,
         little_mcp_2 * little_ab_22,
     );
-    momentum[coordinate::LITTLE_DIP] = little_mcp_6
+    momentum[15] = little_mcp_6
         + mul_add(little_ab_8, little_dip_1, little_ab_2 * little_pip_1);
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let thumb_ab_1 = mul_sub(cos_thumb_mcp, cos_thumb_ip, sin_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_2 = mul_add(0.0316, cos_thumb_mcp, 0.046200000000000005);
-    let thumb_ab_3 = mul_add(0.01085, thumb_ab_1, thumb_ab_2);
-    let thumb_ab_4 = 0.006074175147936257 * thumb_ab_3;
+    let thumb_ab_2 = mul_add(
+        L::splat(0.0316),
+        cos_thumb_mcp,
+        L::splat(0.046200000000000005),
+    );
+    let thumb_ab_3 = mul_add(L::splat(0.01085), thumb_ab_1, thumb_ab_2);
+    let thumb_ab_4 = L::splat(0.006074175147936257) * thumb_ab_3;
     let thumb_ab_5 = mul_add(sin_thumb_mcp, cos_thumb_ip, cos_thumb_mcp * sin_thumb_ip);
     let thumb_ab_6 = neg_mul_add(
         thumb_ab_5,
-        1.1535364787193289e-7 * thumb_ab_5,
-        mul_add(thumb_ab_3, thumb_ab_4, 3.6135774136335126e-7),
+        L::splat(1.1535364787193289e-7) * thumb_ab_5,
+        mul_add(thumb_ab_3, thumb_ab_4, L::splat(3.6135774136335126e-7)),
     );
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_ab_7 = v_thumb_ab * cos_thumb_cmc;
-    let thumb_ab_8 = 0.0316 * sin_thumb_mcp;
-    let thumb_ab_9 = mul_add(0.01085, thumb_ab_5, thumb_ab_8);
-    let thumb_ab_10 = 1.1535364787193289e-7 * thumb_ab_1;
+    let thumb_ab_8 = L::splat(0.0316) * sin_thumb_mcp;
+    let thumb_ab_9 = mul_add(L::splat(0.01085), thumb_ab_5, thumb_ab_8);
+    let thumb_ab_10 = L::splat(1.1535364787193289e-7) * thumb_ab_1;
     let thumb_ab_11 = mul_add(thumb_ab_9, thumb_ab_4, thumb_ab_5 * thumb_ab_10);
     let thumb_ab_12 = v_thumb_ab * sin_thumb_cmc;
     let thumb_ab_13 = neg_mul_add(thumb_ab_12, thumb_ab_11, thumb_ab_7 * thumb_ab_6);
-    let thumb_ab_14 = mul_add(0.0158, cos_thumb_mcp, 0.046200000000000005);
-    let thumb_ab_15 = 0.010920176063878123 * thumb_ab_14;
+    let thumb_ab_14 = mul_add(
+        L::splat(0.0158),
+        cos_thumb_mcp,
+        L::splat(0.046200000000000005),
+    );
+    let thumb_ab_15 = L::splat(0.010920176063878123) * thumb_ab_14;
     let thumb_ab_16 = neg_mul_add(
         sin_thumb_mcp,
-        6.356998492652254e-7 * sin_thumb_mcp,
-        mul_add(thumb_ab_14, thumb_ab_15, 1.1817086524591316e-6),
+        L::splat(6.356998492652254e-7) * sin_thumb_mcp,
+        mul_add(thumb_ab_14, thumb_ab_15, L::splat(1.1817086524591316e-6)),
     );
-    let thumb_ab_17 = 0.0158 * sin_thumb_mcp;
-    let thumb_ab_18 = 6.356998492652254e-7 * cos_thumb_mcp;
+    let thumb_ab_17 = L::splat(0.0158) * sin_thumb_mcp;
+    let thumb_ab_18 = L::splat(6.356998492652254e-7) * cos_thumb_mcp;
     let thumb_ab_19 = mul_add(thumb_ab_17, thumb_ab_15, sin_thumb_mcp * thumb_ab_18);
     let thumb_ab_20 = neg_mul_add(thumb_ab_12, thumb_ab_19, thumb_ab_7 * thumb_ab_16)
         + thumb_ab_13;
-    let thumb_ab_21 = mul_add(1.4328995574980243e-5, thumb_ab_7, thumb_ab_20);
-    let thumb_ab_22 = 0.006074175147936257 * thumb_ab_9;
+    let thumb_ab_21 = mul_add(L::splat(1.4328995574980243e-5), thumb_ab_7, thumb_ab_20);
+    let thumb_ab_22 = L::splat(0.006074175147936257) * thumb_ab_9;
     let thumb_ab_23 = thumb_ab_9 * thumb_ab_22;
     let thumb_ab_24 = neg_mul_add(
         thumb_ab_12,
-        neg_mul_add(thumb_ab_1, thumb_ab_10, 3.6135774136335126e-7 + thumb_ab_23),
+        neg_mul_add(
+            thumb_ab_1,
+            thumb_ab_10,
+            L::splat(3.6135774136335126e-7) + thumb_ab_23,
+        ),
         thumb_ab_7 * thumb_ab_11,
     );
-    let thumb_ab_25 = 0.00017253878180927438 * sin_thumb_mcp;
+    let thumb_ab_25 = L::splat(0.00017253878180927438) * sin_thumb_mcp;
     let thumb_ab_26 = thumb_ab_17 * thumb_ab_25;
     let thumb_ab_27 = neg_mul_add(
         thumb_ab_12,
-        neg_mul_add(cos_thumb_mcp, thumb_ab_18, 1.1817086524591316e-6 + thumb_ab_26),
+        neg_mul_add(
+            cos_thumb_mcp,
+            thumb_ab_18,
+            L::splat(1.1817086524591316e-6) + thumb_ab_26,
+        ),
         thumb_ab_7 * thumb_ab_19,
     );
     let thumb_ab_28 = thumb_ab_27 + thumb_ab_24;
-    let thumb_ab_29 = neg_mul_add(1.1687598348270992e-6, thumb_ab_12, thumb_ab_28);
-    momentum[coordinate::THUMB_AB] = neg_mul_add(
-        sin_thumb_cmc,
-        thumb_ab_29,
-        cos_thumb_cmc * thumb_ab_21,
+    let thumb_ab_29 = neg_mul_add(
+        L::splat(1.1687598348270992e-6),
+        thumb_ab_12,
+        thumb_ab_28,
     );
+    momentum[16] = neg_mul_add(sin_thumb_cmc, thumb_ab_29, cos_thumb_cmc * thumb_ab_21);
     let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
     let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
-    let thumb_cmc_3 = 0.046200000000000005 * v_thumb_mcp;
+    let thumb_cmc_3 = L::splat(0.046200000000000005) * v_thumb_mcp;
     let thumb_cmc_4 = mul_add(v_thumb_ip, thumb_ab_2, thumb_cmc_3);
     let thumb_cmc_5 = v_thumb_ip * thumb_ab_8;
     let thumb_cmc_6 = mul_sub(
         thumb_cmc_2,
-        3.6135774136335126e-7 + mul_add(thumb_ab_3, thumb_ab_4, thumb_ab_23),
+        L::splat(3.6135774136335126e-7) + mul_add(thumb_ab_3, thumb_ab_4, thumb_ab_23),
         mul_add(thumb_cmc_5, thumb_ab_22, thumb_cmc_4 * thumb_ab_4),
     );
     let thumb_cmc_7 = mul_sub(
         thumb_cmc_1,
-        1.1817086524591316e-6 + mul_add(thumb_ab_14, thumb_ab_15, thumb_ab_26),
+        L::splat(1.1817086524591316e-6) + mul_add(thumb_ab_14, thumb_ab_15, thumb_ab_26),
         thumb_cmc_3 * thumb_ab_15,
     );
     let thumb_cmc_8 = thumb_cmc_7 + thumb_cmc_6;
-    momentum[coordinate::THUMB_CMC] = mul_add(
-        1.4328995574980243e-5,
-        v_thumb_cmc,
-        thumb_cmc_8,
-    );
+    momentum[17] = mul_add(L::splat(1.4328995574980243e-5), v_thumb_cmc, thumb_cmc_8);
     let thumb_mcp_1 = mul_sub(
-        0.006074175147936257,
+        L::splat(0.006074175147936257),
         thumb_cmc_4,
         thumb_cmc_2 * thumb_ab_4,
     );
-    momentum[coordinate::THUMB_MCP] = mul_add(
-        0.046200000000000005,
-        mul_sub(0.0005045121341511694, v_thumb_mcp, thumb_cmc_1 * thumb_ab_15)
+    momentum[18] = mul_add(
+        L::splat(0.046200000000000005),
+        mul_sub(L::splat(0.0005045121341511694), v_thumb_mcp, thumb_cmc_1 * thumb_ab_15)
             + thumb_mcp_1,
         thumb_cmc_8,
     );
     let thumb_ip_1 = mul_sub(
-        0.006074175147936257,
+        L::splat(0.006074175147936257),
         thumb_cmc_5,
         thumb_cmc_2 * thumb_ab_22,
     );
-    momentum[coordinate::THUMB_IP] = thumb_cmc_6
+    momentum[19] = thumb_cmc_6
         + mul_add(thumb_ab_8, thumb_ip_1, thumb_ab_2 * thumb_mcp_1);
-    let ball_tx_1 = 0.1 * v_ball_tx;
-    momentum[coordinate::BALL_TX] = ball_tx_1;
-    let ball_ty_1 = 0.1 * v_ball_ty;
-    momentum[coordinate::BALL_TY] = ball_ty_1;
-    let ball_tz_1 = 0.1 * v_ball_tz;
-    momentum[coordinate::BALL_TZ] = ball_tz_1;
+    let ball_tx_1 = L::splat(0.1) * v_ball_tx;
+    momentum[20] = ball_tx_1;
+    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
+    momentum[21] = ball_ty_1;
+    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
+    momentum[22] = ball_tz_1;
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    let ball_rx_1 = 4.900000000000001e-5 * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
-    momentum[coordinate::BALL_RX] = ball_rx_1;
+    let ball_rx_1 = L::splat(4.900000000000001e-5)
+        * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
+    momentum[23] = ball_rx_1;
     let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
     let ball_ry_1 = cos_ball_rx * cos_ball_ry;
     let ball_ry_2 = v_ball_ry * sin_ball_rx;
-    let ball_ry_3 = 4.900000000000001e-5 * mul_add(v_ball_rz, ball_ry_1, ball_ry_2);
+    let ball_ry_3 = L::splat(4.900000000000001e-5)
+        * mul_add(v_ball_rz, ball_ry_1, ball_ry_2);
     let ball_ry_4 = sin_ball_rx * cos_ball_ry;
     let ball_ry_5 = v_ball_ry * cos_ball_rx;
-    let ball_ry_6 = 4.900000000000001e-5 * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
-    momentum[coordinate::BALL_RY] = mul_add(
-        cos_ball_rx,
-        ball_ry_6,
-        sin_ball_rx * ball_ry_3,
-    );
-    momentum[coordinate::BALL_RZ] = mul_add(
+    let ball_ry_6 = L::splat(4.900000000000001e-5)
+        * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
+    momentum[24] = mul_add(cos_ball_rx, ball_ry_6, sin_ball_rx * ball_ry_3);
+    momentum[25] = mul_add(
         ball_ry_1,
         ball_ry_3,
         mul_sub(sin_ball_ry, ball_rx_1, ball_ry_4 * ball_ry_6),
     );
-    let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
+    let index_fdp_1 = mul_sub(
+        L::splat(0.012),
+        cos_index_mcp,
+        L::splat(0.01) * sin_index_mcp,
+    );
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
     let index_fdp_2 = mul_add(
-        0.012,
+        L::splat(0.012),
         cos_index_ab,
-        1.0842021724855044e-19 * sin_index_ab,
+        L::splat(1.0842021724855044e-19) * sin_index_ab,
     );
     let index_fdp_3 = index_fdp_2 + index_fdp_1;
     let index_fdp_4 = neg_mul_add(
-        1.0842021724855044e-19,
+        L::splat(1.0842021724855044e-19),
         cos_index_ab,
-        0.012 * sin_index_ab,
+        L::splat(0.012) * sin_index_ab,
     );
-    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
-    let index_fdp_6 = 0.011 - index_fdp_5;
+    let index_fdp_5 = mul_add(
+        L::splat(0.01),
+        cos_index_mcp,
+        L::splat(0.012) * sin_index_mcp,
+    );
+    let index_fdp_6 = L::splat(0.011) - index_fdp_5;
     let index_fdp_7 = mul_add(
         index_fdp_6,
         index_fdp_6,
         mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
     );
     let index_fdp_8 = sqrt(index_fdp_7);
-    let index_fdp_9 = 1.0 / index_fdp_8;
+    let index_fdp_9 = L::splat(1.0) / index_fdp_8;
     let index_fdp_10 = index_fdp_3 * index_fdp_9;
     let index_fdp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.1487999999999994e-5, cos_index_pip, 0.000172672 * sin_index_pip),
-        0.000354510464,
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(3.1487999999999994e-5),
+            cos_index_pip,
+            L::splat(0.000172672) * sin_index_pip,
+        ),
+        L::splat(0.000354510464),
     );
     let index_fdp_12 = sqrt(index_fdp_11);
     let index_fdp_13 = neg_mul_add(
-        2.0,
-        mul_add(7.315840000000005e-6, cos_index_dip, 7.6342e-5 * sin_index_dip),
-        0.00015491888400000003,
+        L::splat(2.0),
+        mul_add(
+            L::splat(7.315840000000005e-6),
+            cos_index_dip,
+            L::splat(7.6342e-5) * sin_index_dip,
+        ),
+        L::splat(0.00015491888400000003),
     );
     let index_fdp_14 = sqrt(index_fdp_13);
-    let index_fdp_15 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_12 + index_fdp_14
-            - rest_index_fdp);
-    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
+    let index_fdp_15 = (L::splat(0.12972844537042483) + index_fdp_8 + index_fdp_12
+        + index_fdp_14 - rest_index_fdp) * c_2;
+    let index_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_index_mcp,
+        L::splat(0.0105) * sin_index_mcp,
+    );
     let index_edc_2 = mul_add(
-        0.002999999999999997,
+        L::splat(0.002999999999999997),
         cos_index_ab,
-        2.439454888092385e-19 * sin_index_ab,
+        L::splat(2.439454888092385e-19) * sin_index_ab,
     );
     let index_edc_3 = index_edc_2 + index_edc_1;
     let index_edc_4 = neg_mul_add(
-        2.439454888092385e-19,
+        L::splat(2.439454888092385e-19),
         cos_index_ab,
-        0.002999999999999997 * sin_index_ab,
+        L::splat(0.002999999999999997) * sin_index_ab,
     );
-    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
-    let index_edc_6 = -0.011 + index_edc_5;
+    let index_edc_5 = mul_sub(
+        L::splat(0.0105),
+        cos_index_mcp,
+        L::splat(0.003) * sin_index_mcp,
+    );
+    let index_edc_6 = L::splat(-0.011) + index_edc_5;
     let index_edc_7 = mul_add(
         index_edc_6,
         index_edc_6,
         mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
     );
     let index_edc_8 = sqrt(index_edc_7);
-    let index_edc_9 = 1.0 / index_edc_8;
+    let index_edc_9 = L::splat(1.0) / index_edc_8;
     let index_edc_10 = index_edc_3 * index_edc_9;
     let index_edc_11 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             cos_index_pip,
-            3.6000000000000014e-5 * sin_index_pip,
+            L::splat(3.6000000000000014e-5) * sin_index_pip,
         ),
-        0.00016999999999999999,
+        L::splat(0.00016999999999999999),
     );
     let index_edc_12 = sqrt(index_edc_11);
-    let index_edc_13 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_12 - rest_index_edc);
+    let index_edc_13 = (L::splat(0.14993665655140606) + index_edc_8 + index_edc_12
+        - rest_index_edc) * c_3;
     let index_edc_14 = neg_mul_add(
         index_edc_4,
         index_edc_10,
@@ -715,22 +803,30 @@ pub fn evaluate(
         index_edc_14,
     );
     let index_interosseous_1 = neg_mul_add(
-        0.008000000000000004,
+        L::splat(0.008000000000000004),
         cos_index_ab,
-        0.010999999999999996 * sin_index_ab,
+        L::splat(0.010999999999999996) * sin_index_ab,
     );
-    let index_interosseous_2 = 0.008 * cos_index_mcp;
-    let index_interosseous_3 = neg_mul_add(0.001, sin_index_mcp, index_interosseous_2);
+    let index_interosseous_2 = L::splat(0.008) * cos_index_mcp;
+    let index_interosseous_3 = neg_mul_add(
+        L::splat(0.001),
+        sin_index_mcp,
+        index_interosseous_2,
+    );
     let index_interosseous_4 = index_interosseous_3 - index_interosseous_1;
     let index_interosseous_5 = mul_add(
-        0.010999999999999996,
+        L::splat(0.010999999999999996),
         cos_index_ab,
-        0.008000000000000004 * sin_index_ab,
+        L::splat(0.008000000000000004) * sin_index_ab,
     );
-    let index_interosseous_6 = 0.01 - index_interosseous_5;
-    let index_interosseous_7 = 0.008 * sin_index_mcp;
-    let index_interosseous_8 = mul_add(0.001, cos_index_mcp, index_interosseous_7);
-    let index_interosseous_9 = 0.001 - index_interosseous_8;
+    let index_interosseous_6 = L::splat(0.01) - index_interosseous_5;
+    let index_interosseous_7 = L::splat(0.008) * sin_index_mcp;
+    let index_interosseous_8 = mul_add(
+        L::splat(0.001),
+        cos_index_mcp,
+        index_interosseous_7,
+    );
+    let index_interosseous_9 = L::splat(0.001) - index_interosseous_8;
     let index_interosseous_10 = mul_add(
         index_interosseous_9,
         index_interosseous_9,
@@ -741,10 +837,10 @@ pub fn evaluate(
         ),
     );
     let index_interosseous_11 = sqrt(index_interosseous_10);
-    let index_interosseous_12 = 1.0 / index_interosseous_11;
+    let index_interosseous_12 = L::splat(1.0) / index_interosseous_11;
     let index_interosseous_13 = index_interosseous_4 * index_interosseous_12;
-    let index_interosseous_14 = k_intrinsic
-        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
+    let index_interosseous_14 = (L::splat(0.045210728815182795) + index_interosseous_11
+        - rest_index_interosseous) * c_1;
     let index_ab_31 = mul_add(
         neg_mul_add(
             index_interosseous_5,
@@ -754,48 +850,51 @@ pub fn evaluate(
         index_interosseous_14,
         index_ab_30,
     );
-    let index_band_1 = neg_mul_add(0.005, sin_index_mcp, index_interosseous_2);
+    let index_band_1 = neg_mul_add(L::splat(0.005), sin_index_mcp, index_interosseous_2);
     let index_band_2 = mul_add(
-        0.007999999999999997,
+        L::splat(0.007999999999999997),
         cos_index_ab,
-        0.010000000000000002 * sin_index_ab,
+        L::splat(0.010000000000000002) * sin_index_ab,
     );
     let index_band_3 = index_band_2 + index_band_1;
     let index_band_4 = neg_mul_add(
-        0.010000000000000002,
+        L::splat(0.010000000000000002),
         cos_index_ab,
-        0.007999999999999997 * sin_index_ab,
+        L::splat(0.007999999999999997) * sin_index_ab,
     );
-    let index_band_5 = -0.009 - index_band_4;
-    let index_band_6 = mul_add(0.005, cos_index_mcp, index_interosseous_7);
-    let index_band_7 = 0.005 - index_band_6;
+    let index_band_5 = L::splat(-0.009) - index_band_4;
+    let index_band_6 = mul_add(L::splat(0.005), cos_index_mcp, index_interosseous_7);
+    let index_band_7 = L::splat(0.005) - index_band_6;
     let index_band_8 = mul_add(
         index_band_7,
         index_band_7,
         mul_add(index_band_3, index_band_3, index_band_5 * index_band_5),
     );
     let index_band_9 = sqrt(index_band_8);
-    let index_band_10 = 1.0 / index_band_9;
+    let index_band_10 = L::splat(1.0) / index_band_9;
     let index_band_11 = index_band_3 * index_band_10;
     let index_band_12 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            2.6999999999999985e-5,
+            L::splat(2.6999999999999985e-5),
             cos_index_pip,
-            3.600000000000002e-5 * sin_index_pip,
+            L::splat(3.600000000000002e-5) * sin_index_pip,
         ),
-        9.000000000000003e-5,
+        L::splat(9.000000000000003e-5),
     );
     let index_band_13 = sqrt(index_band_12);
     let index_band_14 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_index_dip, 2.5999999999999988e-5 * sin_index_dip),
-        9.649999999999999e-5,
+        L::splat(2.0),
+        mul_sub(
+            L::splat(3.825e-5),
+            cos_index_dip,
+            L::splat(2.5999999999999988e-5) * sin_index_dip,
+        ),
+        L::splat(9.649999999999999e-5),
     );
     let index_band_15 = sqrt(index_band_14);
-    let index_band_16 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_13 + index_band_15
-            - rest_index_band);
+    let index_band_16 = (L::splat(0.09421199494172741) + index_band_9 + index_band_13
+        + index_band_15 - rest_index_band) * c_1;
     let index_ab_32 = mul_sub(
         mul_add(
             index_band_4,
@@ -805,13 +904,13 @@ pub fn evaluate(
         index_band_16,
         index_ab_31,
     );
-    force[coordinate::INDEX_AB] = neg_mul_add(damping, v_index_ab, index_ab_32);
+    force[0] = neg_mul_add(v_index_ab, c_0, index_ab_32);
     let index_mcp_9 = index_ab_15 + index_ab_4;
-    let index_mcp_10 = 9.81 * cos_index_mcp;
-    let index_mcp_11 = 9.81 * sin_index_mcp;
+    let index_mcp_10 = L::splat(9.81) * cos_index_mcp;
+    let index_mcp_11 = L::splat(9.81) * sin_index_mcp;
     let index_mcp_12 = (index_ab_25 + index_ab_22) * index_mcp_11;
     let index_mcp_13 = mul_sub(
-        0.00022169899542251022 + index_mcp_9,
+        L::splat(0.00022169899542251022) + index_mcp_9,
         index_mcp_10,
         index_mcp_12,
     ) - mul_add(index_ab_7, index_ab_29, index_ab_12 * index_ab_21);
@@ -843,36 +942,36 @@ pub fn evaluate(
         index_band_16,
         index_mcp_16,
     );
-    force[coordinate::INDEX_MCP] = neg_mul_add(damping, v_index_mcp, index_mcp_17);
+    force[1] = neg_mul_add(v_index_mcp, c_0, index_mcp_17);
     let index_pip_2 = mul_sub(index_ab_12, index_ab_22, index_ab_7 * index_ab_4);
-    let index_pip_3 = 0.039799999999999995 * index_ab_12
+    let index_pip_3 = L::splat(0.039799999999999995) * index_ab_12
         * (mul_sub(index_ab_12, index_ab_25, index_ab_7 * index_ab_15) + index_pip_2);
     let index_pip_4 = mul_sub(
-        0.039799999999999995 * v_index_mcp,
+        L::splat(0.039799999999999995) * v_index_mcp,
         neg_mul_add(index_mcp_1, index_ab_25, index_dip_1),
         index_pip_3,
     );
     let index_pip_5 = index_pip_4
         - mul_add(index_ab_7, index_ab_28, index_ab_12 * index_ab_20)
         + neg_mul_add(
-            0.002978889312575444,
+            L::splat(0.002978889312575444),
             cos_index_mcp,
             mul_sub(index_mcp_9, index_mcp_10, index_mcp_12),
         );
     let index_fdp_16 = mul_add(
-        3.1487999999999994e-5,
+        L::splat(3.1487999999999994e-5),
         sin_index_pip,
-        0.000172672 * cos_index_pip,
+        L::splat(0.000172672) * cos_index_pip,
     ) / index_fdp_12;
     let index_edc_15 = mul_add(
-        7.699999999999999e-5,
+        L::splat(7.699999999999999e-5),
         sin_index_pip,
-        3.6000000000000014e-5 * cos_index_pip,
+        L::splat(3.6000000000000014e-5) * cos_index_pip,
     ) / index_edc_12;
     let index_band_17 = mul_add(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         sin_index_pip,
-        3.600000000000002e-5 * cos_index_pip,
+        L::splat(3.600000000000002e-5) * cos_index_pip,
     ) / index_band_13;
     let index_pip_6 = neg_mul_add(
         index_band_17,
@@ -883,7 +982,7 @@ pub fn evaluate(
             mul_add(index_fdp_16, index_fdp_15, index_pip_5),
         ),
     );
-    force[coordinate::INDEX_PIP] = neg_mul_add(damping, v_index_pip, index_pip_6);
+    force[2] = neg_mul_add(v_index_pip, c_0, index_pip_6);
     let index_dip_2 = mul_sub(
         mul_sub(index_ab_2, index_mcp_1, index_mcp_3),
         index_dip_1,
@@ -893,124 +992,151 @@ pub fn evaluate(
         - mul_add(index_ab_7, index_ab_24, index_ab_12 * index_ab_13);
     let index_dip_4 = mul_sub(
         index_ab_8,
-        0.02624609716072788 * sin_index_mcp,
-        index_ab_2 * (0.02624609716072788 * cos_index_mcp),
+        L::splat(0.02624609716072788) * sin_index_mcp,
+        index_ab_2 * (L::splat(0.02624609716072788) * cos_index_mcp),
     );
     let index_dip_5 = index_dip_3
         + (neg_mul_add(index_ab_22, index_mcp_11, index_ab_4 * index_mcp_10)
             + index_dip_4);
     let index_fdp_17 = mul_sub(
-        7.315840000000005e-6,
+        L::splat(7.315840000000005e-6),
         sin_index_dip,
-        7.6342e-5 * cos_index_dip,
+        L::splat(7.6342e-5) * cos_index_dip,
     ) / index_fdp_14;
     let index_band_18 = mul_add(
-        3.825e-5,
+        L::splat(3.825e-5),
         sin_index_dip,
-        2.5999999999999988e-5 * cos_index_dip,
+        L::splat(2.5999999999999988e-5) * cos_index_dip,
     ) / index_band_15;
-    force[coordinate::INDEX_DIP] = neg_mul_add(
-        damping,
+    force[3] = neg_mul_add(
         v_index_dip,
+        c_0,
         neg_mul_add(
             index_band_18,
             index_band_16,
             neg_mul_add(index_fdp_17, index_fdp_15, index_dip_5),
         ),
     );
-    let middle_fdp_1 = mul_sub(0.012, cos_middle_mcp, 0.01 * sin_middle_mcp);
+    let middle_fdp_1 = mul_sub(
+        L::splat(0.012),
+        cos_middle_mcp,
+        L::splat(0.01) * sin_middle_mcp,
+    );
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
-    let middle_fdp_2 = 0.011999999999999997 * cos_middle_ab;
+    let middle_fdp_2 = L::splat(0.011999999999999997) * cos_middle_ab;
     let middle_fdp_3 = middle_fdp_2 + middle_fdp_1;
-    let middle_fdp_4 = 0.011999999999999997 * sin_middle_ab;
-    let middle_fdp_5 = mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
-    let middle_fdp_6 = 0.011 - middle_fdp_5;
+    let middle_fdp_4 = L::splat(0.011999999999999997) * sin_middle_ab;
+    let middle_fdp_5 = mul_add(
+        L::splat(0.01),
+        cos_middle_mcp,
+        L::splat(0.012) * sin_middle_mcp,
+    );
+    let middle_fdp_6 = L::splat(0.011) - middle_fdp_5;
     let middle_fdp_7 = mul_add(
         middle_fdp_6,
         middle_fdp_6,
         mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
     );
     let middle_fdp_8 = sqrt(middle_fdp_7);
-    let middle_fdp_9 = 1.0 / middle_fdp_8;
+    let middle_fdp_9 = L::splat(1.0) / middle_fdp_8;
     let middle_fdp_10 = middle_fdp_3 * middle_fdp_9;
     let middle_fdp_11 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         neg_mul_add(
-            4.9505999999999956e-5,
+            L::splat(4.9505999999999956e-5),
             cos_middle_pip,
-            0.00018741399999999995 * sin_middle_pip,
+            L::splat(0.00018741399999999995) * sin_middle_pip,
         ),
-        0.00038801411599999986,
+        L::splat(0.00038801411599999986),
     );
     let middle_fdp_12 = sqrt(middle_fdp_11);
     let middle_fdp_13 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         neg_mul_add(
-            2.8467600000000052e-6,
+            L::splat(2.8467600000000052e-6),
             cos_middle_dip,
-            8.681400000000001e-5 * sin_middle_dip,
+            L::splat(8.681400000000001e-5) * sin_middle_dip,
         ),
-        0.00017631659600000004,
+        L::splat(0.00017631659600000004),
     );
     let middle_fdp_14 = sqrt(middle_fdp_13);
-    let middle_fdp_15 = k_flexor
-        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_12 + middle_fdp_14
-            - rest_middle_fdp);
-    let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
-    let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
+    let middle_fdp_15 = (L::splat(0.13218112782147726) + middle_fdp_8 + middle_fdp_12
+        + middle_fdp_14 - rest_middle_fdp) * c_2;
+    let middle_fdp_16 = neg_mul_add(
+        middle_fdp_4,
+        middle_fdp_10,
+        middle_fdp_2 * (middle_fdp_4 * middle_fdp_9),
+    ) * middle_fdp_15;
+    let middle_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_middle_mcp,
+        L::splat(0.0105) * sin_middle_mcp,
+    );
+    let middle_edc_2 = L::splat(0.0030000000000000027) * cos_middle_ab;
     let middle_edc_3 = middle_edc_2 + middle_edc_1;
-    let middle_edc_4 = 0.0030000000000000027 * sin_middle_ab;
-    let middle_edc_5 = mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
-    let middle_edc_6 = -0.011 + middle_edc_5;
+    let middle_edc_4 = L::splat(0.0030000000000000027) * sin_middle_ab;
+    let middle_edc_5 = mul_sub(
+        L::splat(0.0105),
+        cos_middle_mcp,
+        L::splat(0.003) * sin_middle_mcp,
+    );
+    let middle_edc_6 = L::splat(-0.011) + middle_edc_5;
     let middle_edc_7 = mul_add(
         middle_edc_6,
         middle_edc_6,
         mul_add(middle_edc_3, middle_edc_3, middle_edc_4 * middle_edc_4),
     );
     let middle_edc_8 = sqrt(middle_edc_7);
-    let middle_edc_9 = 1.0 / middle_edc_8;
+    let middle_edc_9 = L::splat(1.0) / middle_edc_8;
     let middle_edc_10 = middle_edc_3 * middle_edc_9;
     let middle_edc_11 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             cos_middle_pip,
-            3.6000000000000014e-5 * sin_middle_pip,
+            L::splat(3.6000000000000014e-5) * sin_middle_pip,
         ),
-        0.00016999999999999999,
+        L::splat(0.00016999999999999999),
     );
     let middle_edc_12 = sqrt(middle_edc_11);
-    let middle_edc_13 = k_extensor
-        * (0.15123287910466324 + middle_edc_8 + middle_edc_12 - rest_middle_edc);
-    let middle_edc_14 = neg_mul_add(
-        middle_edc_4,
-        middle_edc_10,
-        middle_edc_2 * (middle_edc_4 * middle_edc_9),
-    ) * middle_edc_13;
+    let middle_edc_13 = (L::splat(0.15123287910466324) + middle_edc_8 + middle_edc_12
+        - rest_middle_edc) * c_3;
     let middle_ab_30 = mul_add(
         neg_mul_add(
-            middle_fdp_4,
-            middle_fdp_10,
-            middle_fdp_2 * (middle_fdp_4 * middle_fdp_9),
+            middle_edc_4,
+            middle_edc_10,
+            middle_edc_2 * (middle_edc_4 * middle_edc_9),
         ),
-        middle_fdp_15,
-        middle_edc_14,
+        middle_edc_13,
+        middle_fdp_16,
     );
-    let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
-    let middle_interosseous_2 = mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
-    let middle_interosseous_3 = 0.008 * cos_middle_mcp;
+    let middle_interosseous_1 = L::splat(0.007999999999999993) * cos_middle_ab;
+    let middle_interosseous_2 = mul_sub(
+        L::splat(0.011),
+        sin_middle_ab,
+        middle_interosseous_1,
+    );
+    let middle_interosseous_3 = L::splat(0.008) * cos_middle_mcp;
     let middle_interosseous_4 = neg_mul_add(
-        0.001,
+        L::splat(0.001),
         sin_middle_mcp,
         middle_interosseous_3,
     );
     let middle_interosseous_5 = middle_interosseous_4 - middle_interosseous_2;
-    let middle_interosseous_6 = 0.007999999999999993 * sin_middle_ab;
-    let middle_interosseous_7 = mul_add(0.011, cos_middle_ab, middle_interosseous_6);
-    let middle_interosseous_8 = 0.01 - middle_interosseous_7;
-    let middle_interosseous_9 = 0.008 * sin_middle_mcp;
-    let middle_interosseous_10 = mul_add(0.001, cos_middle_mcp, middle_interosseous_9);
-    let middle_interosseous_11 = 0.001 - middle_interosseous_10;
+    let middle_interosseous_6 = L::splat(0.007999999999999993) * sin_middle_ab;
+    let middle_interosseous_7 = mul_add(
+        L::splat(0.011),
+        cos_middle_ab,
+        middle_interosseous_6,
+    );
+    let middle_interosseous_8 = L::splat(0.01) - middle_interosseous_7;
+    let middle_interosseous_9 = L::splat(0.008) * sin_middle_mcp;
+    let middle_interosseous_10 = mul_add(
+        L::splat(0.001),
+        cos_middle_mcp,
+        middle_interosseous_9,
+    );
+    let middle_interosseous_11 = L::splat(0.001) - middle_interosseous_10;
     let middle_interosseous_12 = mul_add(
         middle_interosseous_11,
         middle_interosseous_11,
@@ -1021,10 +1147,10 @@ pub fn evaluate(
         ),
     );
     let middle_interosseous_13 = sqrt(middle_interosseous_12);
-    let middle_interosseous_14 = 1.0 / middle_interosseous_13;
+    let middle_interosseous_14 = L::splat(1.0) / middle_interosseous_13;
     let middle_interosseous_15 = middle_interosseous_5 * middle_interosseous_14;
-    let middle_interosseous_16 = k_intrinsic
-        * (0.041720019175451005 + middle_interosseous_13 - rest_middle_interosseous);
+    let middle_interosseous_16 = (L::splat(0.041720019175451005) + middle_interosseous_13
+        - rest_middle_interosseous) * c_1;
     let middle_ab_31 = mul_add(
         neg_mul_add(
             middle_interosseous_7,
@@ -1034,40 +1160,51 @@ pub fn evaluate(
         middle_interosseous_16,
         middle_ab_30,
     );
-    let middle_band_1 = neg_mul_add(0.005, sin_middle_mcp, middle_interosseous_3);
-    let middle_band_2 = mul_add(0.01, sin_middle_ab, middle_interosseous_1);
+    let middle_band_1 = neg_mul_add(
+        L::splat(0.005),
+        sin_middle_mcp,
+        middle_interosseous_3,
+    );
+    let middle_band_2 = mul_add(L::splat(0.01), sin_middle_ab, middle_interosseous_1);
     let middle_band_3 = middle_band_2 + middle_band_1;
-    let middle_band_4 = neg_mul_add(0.01, cos_middle_ab, middle_interosseous_6);
-    let middle_band_5 = -0.009 - middle_band_4;
-    let middle_band_6 = mul_add(0.005, cos_middle_mcp, middle_interosseous_9);
-    let middle_band_7 = 0.005 - middle_band_6;
+    let middle_band_4 = neg_mul_add(
+        L::splat(0.01),
+        cos_middle_ab,
+        middle_interosseous_6,
+    );
+    let middle_band_5 = L::splat(-0.009) - middle_band_4;
+    let middle_band_6 = mul_add(L::splat(0.005), cos_middle_mcp, middle_interosseous_9);
+    let middle_band_7 = L::splat(0.005) - middle_band_6;
     let middle_band_8 = mul_add(
         middle_band_7,
         middle_band_7,
         mul_add(middle_band_3, middle_band_3, middle_band_5 * middle_band_5),
     );
     let middle_band_9 = sqrt(middle_band_8);
-    let middle_band_10 = 1.0 / middle_band_9;
+    let middle_band_10 = L::splat(1.0) / middle_band_9;
     let middle_band_11 = middle_band_3 * middle_band_10;
     let middle_band_12 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            2.6999999999999985e-5,
+            L::splat(2.6999999999999985e-5),
             cos_middle_pip,
-            3.600000000000002e-5 * sin_middle_pip,
+            L::splat(3.600000000000002e-5) * sin_middle_pip,
         ),
-        9.000000000000003e-5,
+        L::splat(9.000000000000003e-5),
     );
     let middle_band_13 = sqrt(middle_band_12);
     let middle_band_14 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_middle_dip, 2.5999999999999988e-5 * sin_middle_dip),
-        9.649999999999999e-5,
+        L::splat(2.0),
+        mul_sub(
+            L::splat(3.825e-5),
+            cos_middle_dip,
+            L::splat(2.5999999999999988e-5) * sin_middle_dip,
+        ),
+        L::splat(9.649999999999999e-5),
     );
     let middle_band_15 = sqrt(middle_band_14);
-    let middle_band_16 = k_intrinsic
-        * (0.09905932921879514 + middle_band_9 + middle_band_13 + middle_band_15
-            - rest_middle_band);
+    let middle_band_16 = (L::splat(0.09905932921879514) + middle_band_9 + middle_band_13
+        + middle_band_15 - rest_middle_band) * c_1;
     let middle_ab_32 = mul_sub(
         mul_add(
             middle_band_4,
@@ -1077,13 +1214,13 @@ pub fn evaluate(
         middle_band_16,
         middle_ab_31,
     );
-    force[coordinate::MIDDLE_AB] = neg_mul_add(damping, v_middle_ab, middle_ab_32);
+    force[4] = neg_mul_add(v_middle_ab, c_0, middle_ab_32);
     let middle_mcp_9 = middle_ab_15 + middle_ab_4;
-    let middle_mcp_10 = 9.81 * cos_middle_mcp;
-    let middle_mcp_11 = 9.81 * sin_middle_mcp;
+    let middle_mcp_10 = L::splat(9.81) * cos_middle_mcp;
+    let middle_mcp_11 = L::splat(9.81) * sin_middle_mcp;
     let middle_mcp_12 = (middle_ab_25 + middle_ab_22) * middle_mcp_11;
     let middle_mcp_13 = mul_sub(
-        0.00027839876122739363 + middle_mcp_9,
+        L::splat(0.00027839876122739363) + middle_mcp_9,
         middle_mcp_10,
         middle_mcp_12,
     ) - mul_add(middle_ab_7, middle_ab_29, middle_ab_12 * middle_ab_21);
@@ -1123,48 +1260,48 @@ pub fn evaluate(
         middle_band_16,
         middle_mcp_16,
     );
-    force[coordinate::MIDDLE_MCP] = neg_mul_add(damping, v_middle_mcp, middle_mcp_17);
+    force[5] = neg_mul_add(v_middle_mcp, c_0, middle_mcp_17);
     let middle_pip_2 = mul_sub(middle_ab_12, middle_ab_22, middle_ab_7 * middle_ab_4);
-    let middle_pip_3 = 0.0446 * middle_ab_12
+    let middle_pip_3 = L::splat(0.0446) * middle_ab_12
         * (mul_sub(middle_ab_12, middle_ab_25, middle_ab_7 * middle_ab_15)
             + middle_pip_2);
     let middle_pip_4 = mul_sub(
-        0.0446 * v_middle_mcp,
+        L::splat(0.0446) * v_middle_mcp,
         neg_mul_add(middle_mcp_1, middle_ab_25, middle_dip_1),
         middle_pip_3,
     );
     let middle_pip_5 = middle_pip_4
         - mul_add(middle_ab_7, middle_ab_28, middle_ab_12 * middle_ab_20)
         + neg_mul_add(
-            0.003834082216269373,
+            L::splat(0.003834082216269373),
             cos_middle_mcp,
             mul_sub(middle_mcp_9, middle_mcp_10, middle_mcp_12),
         );
-    let middle_fdp_16 = mul_add(
-        4.9505999999999956e-5,
+    let middle_fdp_17 = mul_add(
+        L::splat(4.9505999999999956e-5),
         sin_middle_pip,
-        0.00018741399999999995 * cos_middle_pip,
+        L::splat(0.00018741399999999995) * cos_middle_pip,
     ) / middle_fdp_12;
-    let middle_edc_15 = mul_add(
-        7.699999999999999e-5,
+    let middle_edc_14 = mul_add(
+        L::splat(7.699999999999999e-5),
         sin_middle_pip,
-        3.6000000000000014e-5 * cos_middle_pip,
+        L::splat(3.6000000000000014e-5) * cos_middle_pip,
     ) / middle_edc_12;
     let middle_band_17 = mul_add(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         sin_middle_pip,
-        3.600000000000002e-5 * cos_middle_pip,
+        L::splat(3.600000000000002e-5) * cos_middle_pip,
     ) / middle_band_13;
     let middle_pip_6 = neg_mul_add(
         middle_band_17,
         middle_band_16,
         neg_mul_add(
-            middle_edc_15,
+            middle_edc_14,
             middle_edc_13,
-            mul_add(middle_fdp_16, middle_fdp_15, middle_pip_5),
+            mul_add(middle_fdp_17, middle_fdp_15, middle_pip_5),
         ),
     );
-    force[coordinate::MIDDLE_PIP] = neg_mul_add(damping, v_middle_pip, middle_pip_6);
+    force[6] = neg_mul_add(v_middle_pip, c_0, middle_pip_6);
     let middle_dip_2 = mul_sub(
         mul_sub(middle_ab_2, middle_mcp_1, middle_mcp_3),
         middle_dip_1,
@@ -1177,102 +1314,126 @@ pub fn evaluate(
     ) - mul_add(middle_ab_7, middle_ab_24, middle_ab_12 * middle_ab_13);
     let middle_dip_4 = mul_sub(
         middle_ab_8,
-        0.028903929784599047 * sin_middle_mcp,
-        middle_ab_2 * (0.028903929784599047 * cos_middle_mcp),
+        L::splat(0.028903929784599047) * sin_middle_mcp,
+        middle_ab_2 * (L::splat(0.028903929784599047) * cos_middle_mcp),
     );
     let middle_dip_5 = middle_dip_3
         + (neg_mul_add(middle_ab_22, middle_mcp_11, middle_ab_4 * middle_mcp_10)
             + middle_dip_4);
-    let middle_fdp_17 = mul_add(
-        2.8467600000000052e-6,
+    let middle_fdp_18 = mul_add(
+        L::splat(2.8467600000000052e-6),
         sin_middle_dip,
-        8.681400000000001e-5 * cos_middle_dip,
+        L::splat(8.681400000000001e-5) * cos_middle_dip,
     ) / middle_fdp_14;
     let middle_band_18 = mul_add(
-        3.825e-5,
+        L::splat(3.825e-5),
         sin_middle_dip,
-        2.5999999999999988e-5 * cos_middle_dip,
+        L::splat(2.5999999999999988e-5) * cos_middle_dip,
     ) / middle_band_15;
-    force[coordinate::MIDDLE_DIP] = neg_mul_add(
-        damping,
+    force[7] = neg_mul_add(
         v_middle_dip,
+        c_0,
         neg_mul_add(
             middle_band_18,
             middle_band_16,
-            mul_add(middle_fdp_17, middle_fdp_15, middle_dip_5),
+            mul_add(middle_fdp_18, middle_fdp_15, middle_dip_5),
         ),
     );
-    let ring_fdp_1 = mul_sub(0.012, cos_ring_mcp, 0.01 * sin_ring_mcp);
+    let ring_fdp_1 = mul_sub(
+        L::splat(0.012),
+        cos_ring_mcp,
+        L::splat(0.01) * sin_ring_mcp,
+    );
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_fdp_2 = mul_add(
-        0.012000000000000007,
+        L::splat(0.012000000000000007),
         cos_ring_ab,
-        1.1926223897340549e-18 * sin_ring_ab,
+        L::splat(1.1926223897340549e-18) * sin_ring_ab,
     );
     let ring_fdp_3 = ring_fdp_2 + ring_fdp_1;
     let ring_fdp_4 = neg_mul_add(
-        1.1926223897340549e-18,
+        L::splat(1.1926223897340549e-18),
         cos_ring_ab,
-        0.012000000000000007 * sin_ring_ab,
+        L::splat(0.012000000000000007) * sin_ring_ab,
     );
-    let ring_fdp_5 = mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
-    let ring_fdp_6 = 0.011 - ring_fdp_5;
+    let ring_fdp_5 = mul_add(
+        L::splat(0.01),
+        cos_ring_mcp,
+        L::splat(0.012) * sin_ring_mcp,
+    );
+    let ring_fdp_6 = L::splat(0.011) - ring_fdp_5;
     let ring_fdp_7 = mul_add(
         ring_fdp_6,
         ring_fdp_6,
         mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_4 * ring_fdp_4),
     );
     let ring_fdp_8 = sqrt(ring_fdp_7);
-    let ring_fdp_9 = 1.0 / ring_fdp_8;
+    let ring_fdp_9 = L::splat(1.0) / ring_fdp_8;
     let ring_fdp_10 = ring_fdp_3 * ring_fdp_9;
     let ring_fdp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(4.673399999999999e-5, cos_ring_pip, 0.000185146 * sin_ring_pip),
-        0.00038251043599999996,
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(4.673399999999999e-5),
+            cos_ring_pip,
+            L::splat(0.000185146) * sin_ring_pip,
+        ),
+        L::splat(0.00038251043599999996),
     );
     let ring_fdp_12 = sqrt(ring_fdp_11);
     let ring_fdp_13 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.571779999999996e-6, cos_ring_dip, 8.5561e-5 * sin_ring_dip),
-        0.00017344544100000002,
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(1.571779999999996e-6),
+            cos_ring_dip,
+            L::splat(8.5561e-5) * sin_ring_dip,
+        ),
+        L::splat(0.00017344544100000002),
     );
     let ring_fdp_14 = sqrt(ring_fdp_13);
-    let ring_fdp_15 = k_flexor
-        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_12 + ring_fdp_14 - rest_ring_fdp);
-    let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
+    let ring_fdp_15 = (L::splat(0.1222069424434041) + ring_fdp_8 + ring_fdp_12
+        + ring_fdp_14 - rest_ring_fdp) * c_2;
+    let ring_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_ring_mcp,
+        L::splat(0.0105) * sin_ring_mcp,
+    );
     let ring_edc_2 = mul_add(
-        0.003000000000000002,
+        L::splat(0.003000000000000002),
         cos_ring_ab,
-        2.981555974335137e-19 * sin_ring_ab,
+        L::splat(2.981555974335137e-19) * sin_ring_ab,
     );
     let ring_edc_3 = ring_edc_2 + ring_edc_1;
     let ring_edc_4 = neg_mul_add(
-        2.981555974335137e-19,
+        L::splat(2.981555974335137e-19),
         cos_ring_ab,
-        0.003000000000000002 * sin_ring_ab,
+        L::splat(0.003000000000000002) * sin_ring_ab,
     );
-    let ring_edc_5 = mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
-    let ring_edc_6 = -0.011 + ring_edc_5;
+    let ring_edc_5 = mul_sub(
+        L::splat(0.0105),
+        cos_ring_mcp,
+        L::splat(0.003) * sin_ring_mcp,
+    );
+    let ring_edc_6 = L::splat(-0.011) + ring_edc_5;
     let ring_edc_7 = mul_add(
         ring_edc_6,
         ring_edc_6,
         mul_add(ring_edc_3, ring_edc_3, ring_edc_4 * ring_edc_4),
     );
     let ring_edc_8 = sqrt(ring_edc_7);
-    let ring_edc_9 = 1.0 / ring_edc_8;
+    let ring_edc_9 = L::splat(1.0) / ring_edc_8;
     let ring_edc_10 = ring_edc_3 * ring_edc_9;
     let ring_edc_11 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             cos_ring_pip,
-            3.6000000000000014e-5 * sin_ring_pip,
+            L::splat(3.6000000000000014e-5) * sin_ring_pip,
         ),
-        0.00016999999999999999,
+        L::splat(0.00016999999999999999),
     );
     let ring_edc_12 = sqrt(ring_edc_11);
-    let ring_edc_13 = k_extensor
-        * (0.14143565528020308 + ring_edc_8 + ring_edc_12 - rest_ring_edc);
+    let ring_edc_13 = (L::splat(0.14143565528020308) + ring_edc_8 + ring_edc_12
+        - rest_ring_edc) * c_3;
     let ring_edc_14 = neg_mul_add(
         ring_edc_4,
         ring_edc_10,
@@ -1283,23 +1444,31 @@ pub fn evaluate(
         ring_fdp_15,
         ring_edc_14,
     );
-    let ring_interosseous_1 = 0.008 * cos_ring_mcp;
-    let ring_interosseous_2 = neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
+    let ring_interosseous_1 = L::splat(0.008) * cos_ring_mcp;
+    let ring_interosseous_2 = neg_mul_add(
+        L::splat(0.001),
+        sin_ring_mcp,
+        ring_interosseous_1,
+    );
     let ring_interosseous_3 = mul_add(
-        0.008,
+        L::splat(0.008),
         cos_ring_ab,
-        0.011000000000000001 * sin_ring_ab,
+        L::splat(0.011000000000000001) * sin_ring_ab,
     );
     let ring_interosseous_4 = ring_interosseous_3 + ring_interosseous_2;
     let ring_interosseous_5 = neg_mul_add(
-        0.011000000000000001,
+        L::splat(0.011000000000000001),
         cos_ring_ab,
-        0.008 * sin_ring_ab,
+        L::splat(0.008) * sin_ring_ab,
     );
-    let ring_interosseous_6 = -0.01 - ring_interosseous_5;
-    let ring_interosseous_7 = 0.008 * sin_ring_mcp;
-    let ring_interosseous_8 = mul_add(0.001, cos_ring_mcp, ring_interosseous_7);
-    let ring_interosseous_9 = 0.001 - ring_interosseous_8;
+    let ring_interosseous_6 = L::splat(-0.01) - ring_interosseous_5;
+    let ring_interosseous_7 = L::splat(0.008) * sin_ring_mcp;
+    let ring_interosseous_8 = mul_add(
+        L::splat(0.001),
+        cos_ring_mcp,
+        ring_interosseous_7,
+    );
+    let ring_interosseous_9 = L::splat(0.001) - ring_interosseous_8;
     let ring_interosseous_10 = mul_add(
         ring_interosseous_9,
         ring_interosseous_9,
@@ -1310,10 +1479,10 @@ pub fn evaluate(
         ),
     );
     let ring_interosseous_11 = sqrt(ring_interosseous_10);
-    let ring_interosseous_12 = 1.0 / ring_interosseous_11;
+    let ring_interosseous_12 = L::splat(1.0) / ring_interosseous_11;
     let ring_interosseous_13 = ring_interosseous_4 * ring_interosseous_12;
-    let ring_interosseous_14 = k_intrinsic
-        * (0.03514256678161116 + ring_interosseous_11 - rest_ring_interosseous);
+    let ring_interosseous_14 = (L::splat(0.03514256678161116) + ring_interosseous_11
+        - rest_ring_interosseous) * c_1;
     let ring_ab_31 = mul_sub(
         mul_add(
             ring_interosseous_5,
@@ -1324,51 +1493,50 @@ pub fn evaluate(
         ring_ab_30,
     );
     let ring_band_1 = neg_mul_add(
-        0.007999999999999998,
+        L::splat(0.007999999999999998),
         cos_ring_ab,
-        0.010000000000000002 * sin_ring_ab,
+        L::splat(0.010000000000000002) * sin_ring_ab,
     );
-    let ring_band_2 = neg_mul_add(0.005, sin_ring_mcp, ring_interosseous_1);
+    let ring_band_2 = neg_mul_add(L::splat(0.005), sin_ring_mcp, ring_interosseous_1);
     let ring_band_3 = ring_band_2 - ring_band_1;
     let ring_band_4 = mul_add(
-        0.010000000000000002,
+        L::splat(0.010000000000000002),
         cos_ring_ab,
-        0.007999999999999998 * sin_ring_ab,
+        L::splat(0.007999999999999998) * sin_ring_ab,
     );
-    let ring_band_5 = 0.009 - ring_band_4;
-    let ring_band_6 = mul_add(0.005, cos_ring_mcp, ring_interosseous_7);
-    let ring_band_7 = 0.005 - ring_band_6;
+    let ring_band_5 = L::splat(0.009) - ring_band_4;
+    let ring_band_6 = mul_add(L::splat(0.005), cos_ring_mcp, ring_interosseous_7);
+    let ring_band_7 = L::splat(0.005) - ring_band_6;
     let ring_band_8 = mul_add(
         ring_band_7,
         ring_band_7,
         mul_add(ring_band_3, ring_band_3, ring_band_5 * ring_band_5),
     );
     let ring_band_9 = sqrt(ring_band_8);
-    let ring_band_10 = 1.0 / ring_band_9;
+    let ring_band_10 = L::splat(1.0) / ring_band_9;
     let ring_band_11 = ring_band_3 * ring_band_10;
     let ring_band_12 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            2.6999999999999985e-5,
+            L::splat(2.6999999999999985e-5),
             cos_ring_pip,
-            3.600000000000002e-5 * sin_ring_pip,
+            L::splat(3.600000000000002e-5) * sin_ring_pip,
         ),
-        9.000000000000003e-5,
+        L::splat(9.000000000000003e-5),
     );
     let ring_band_13 = sqrt(ring_band_12);
     let ring_band_14 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            3.8249999999999995e-5,
+            L::splat(3.8249999999999995e-5),
             cos_ring_dip,
-            2.600000000000001e-5 * sin_ring_dip,
+            L::splat(2.600000000000001e-5) * sin_ring_dip,
         ),
-        9.65e-5,
+        L::splat(9.65e-5),
     );
     let ring_band_15 = sqrt(ring_band_14);
-    let ring_band_16 = k_intrinsic
-        * (0.08891202891001955 + ring_band_9 + ring_band_13 + ring_band_15
-            - rest_ring_band);
+    let ring_band_16 = (L::splat(0.08891202891001955) + ring_band_9 + ring_band_13
+        + ring_band_15 - rest_ring_band) * c_1;
     let ring_ab_32 = neg_mul_add(
         neg_mul_add(
             ring_band_4,
@@ -1378,13 +1546,13 @@ pub fn evaluate(
         ring_band_16,
         ring_ab_31,
     );
-    force[coordinate::RING_AB] = neg_mul_add(damping, v_ring_ab, ring_ab_32);
+    force[8] = neg_mul_add(v_ring_ab, c_0, ring_ab_32);
     let ring_mcp_9 = ring_ab_15 + ring_ab_4;
-    let ring_mcp_10 = 9.81 * cos_ring_mcp;
-    let ring_mcp_11 = 9.81 * sin_ring_mcp;
+    let ring_mcp_10 = L::splat(9.81) * cos_ring_mcp;
+    let ring_mcp_11 = L::splat(9.81) * sin_ring_mcp;
     let ring_mcp_12 = (ring_ab_25 + ring_ab_22) * ring_mcp_11;
     let ring_mcp_13 = mul_sub(
-        0.00023988233263955822 + ring_mcp_9,
+        L::splat(0.00023988233263955822) + ring_mcp_9,
         ring_mcp_10,
         ring_mcp_12,
     ) - mul_add(ring_ab_7, ring_ab_29, ring_ab_12 * ring_ab_21);
@@ -1412,35 +1580,35 @@ pub fn evaluate(
         ring_band_16,
         ring_mcp_16,
     );
-    force[coordinate::RING_MCP] = neg_mul_add(damping, v_ring_mcp, ring_mcp_17);
+    force[9] = neg_mul_add(v_ring_mcp, c_0, ring_mcp_17);
     let ring_pip_2 = mul_sub(ring_ab_12, ring_ab_22, ring_ab_7 * ring_ab_4);
-    let ring_pip_3 = 0.0414 * ring_ab_12
+    let ring_pip_3 = L::splat(0.0414) * ring_ab_12
         * (mul_sub(ring_ab_12, ring_ab_25, ring_ab_7 * ring_ab_15) + ring_pip_2);
     let ring_pip_4 = mul_sub(
-        0.0414 * v_ring_mcp,
+        L::splat(0.0414) * v_ring_mcp,
         neg_mul_add(ring_mcp_1, ring_ab_25, ring_dip_1),
         ring_pip_3,
     );
     let ring_pip_5 = ring_pip_4 - mul_add(ring_ab_7, ring_ab_28, ring_ab_12 * ring_ab_20)
         + neg_mul_add(
-            0.0034982196370019745,
+            L::splat(0.0034982196370019745),
             cos_ring_mcp,
             mul_sub(ring_mcp_9, ring_mcp_10, ring_mcp_12),
         );
     let ring_fdp_16 = mul_add(
-        4.673399999999999e-5,
+        L::splat(4.673399999999999e-5),
         sin_ring_pip,
-        0.000185146 * cos_ring_pip,
+        L::splat(0.000185146) * cos_ring_pip,
     ) / ring_fdp_12;
     let ring_edc_15 = mul_add(
-        7.699999999999999e-5,
+        L::splat(7.699999999999999e-5),
         sin_ring_pip,
-        3.6000000000000014e-5 * cos_ring_pip,
+        L::splat(3.6000000000000014e-5) * cos_ring_pip,
     ) / ring_edc_12;
     let ring_band_17 = mul_add(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         sin_ring_pip,
-        3.600000000000002e-5 * cos_ring_pip,
+        L::splat(3.600000000000002e-5) * cos_ring_pip,
     ) / ring_band_13;
     let ring_pip_6 = neg_mul_add(
         ring_band_17,
@@ -1451,7 +1619,7 @@ pub fn evaluate(
             mul_add(ring_fdp_16, ring_fdp_15, ring_pip_5),
         ),
     );
-    force[coordinate::RING_PIP] = neg_mul_add(damping, v_ring_pip, ring_pip_6);
+    force[10] = neg_mul_add(v_ring_pip, c_0, ring_pip_6);
     let ring_dip_2 = mul_sub(
         mul_sub(ring_ab_2, ring_mcp_1, ring_mcp_3),
         ring_dip_1,
@@ -1461,24 +1629,24 @@ pub fn evaluate(
         - mul_add(ring_ab_7, ring_ab_24, ring_ab_12 * ring_ab_13);
     let ring_dip_4 = mul_sub(
         ring_ab_8,
-        0.0287378152456071 * sin_ring_mcp,
-        ring_ab_2 * (0.0287378152456071 * cos_ring_mcp),
+        L::splat(0.0287378152456071) * sin_ring_mcp,
+        ring_ab_2 * (L::splat(0.0287378152456071) * cos_ring_mcp),
     );
     let ring_dip_5 = ring_dip_3
         + (neg_mul_add(ring_ab_22, ring_mcp_11, ring_ab_4 * ring_mcp_10) + ring_dip_4);
     let ring_fdp_17 = mul_add(
-        1.571779999999996e-6,
+        L::splat(1.571779999999996e-6),
         sin_ring_dip,
-        8.5561e-5 * cos_ring_dip,
+        L::splat(8.5561e-5) * cos_ring_dip,
     ) / ring_fdp_14;
     let ring_band_18 = mul_add(
-        3.8249999999999995e-5,
+        L::splat(3.8249999999999995e-5),
         sin_ring_dip,
-        2.600000000000001e-5 * cos_ring_dip,
+        L::splat(2.600000000000001e-5) * cos_ring_dip,
     ) / ring_band_15;
-    force[coordinate::RING_DIP] = neg_mul_add(
-        damping,
+    force[11] = neg_mul_add(
         v_ring_dip,
+        c_0,
         neg_mul_add(
             ring_band_18,
             ring_band_16,
@@ -1487,111 +1655,138 @@ pub fn evaluate(
     );
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_fdp_1 = neg_mul_add(
-        0.012,
+        L::splat(0.012),
         cos_little_ab,
-        3.686287386450715e-18 * sin_little_ab,
+        L::splat(3.686287386450715e-18) * sin_little_ab,
     );
-    let little_fdp_2 = mul_sub(0.012, cos_little_mcp, 0.01 * sin_little_mcp);
+    let little_fdp_2 = mul_sub(
+        L::splat(0.012),
+        cos_little_mcp,
+        L::splat(0.01) * sin_little_mcp,
+    );
     let little_fdp_3 = little_fdp_2 - little_fdp_1;
     let little_fdp_4 = mul_add(
-        3.686287386450715e-18,
+        L::splat(3.686287386450715e-18),
         cos_little_ab,
-        0.012 * sin_little_ab,
+        L::splat(0.012) * sin_little_ab,
     );
-    let little_fdp_5 = mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
-    let little_fdp_6 = 0.011 - little_fdp_5;
+    let little_fdp_5 = mul_add(
+        L::splat(0.01),
+        cos_little_mcp,
+        L::splat(0.012) * sin_little_mcp,
+    );
+    let little_fdp_6 = L::splat(0.011) - little_fdp_5;
     let little_fdp_7 = mul_add(
         little_fdp_6,
         little_fdp_6,
         mul_add(little_fdp_3, little_fdp_3, little_fdp_4 * little_fdp_4),
     );
     let little_fdp_8 = sqrt(little_fdp_7);
-    let little_fdp_9 = 1.0 / little_fdp_8;
+    let little_fdp_9 = L::splat(1.0) / little_fdp_8;
     let little_fdp_10 = little_fdp_3 * little_fdp_9;
     let little_fdp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.1621999999999991e-5, cos_little_pip, 0.000156418 * sin_little_pip),
-        0.000323790404,
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(1.1621999999999991e-5),
+            cos_little_pip,
+            L::splat(0.000156418) * sin_little_pip,
+        ),
+        L::splat(0.000323790404),
     );
     let little_fdp_12 = sqrt(little_fdp_11);
     let little_fdp_13 = neg_mul_add(
-        2.0,
-        mul_add(1.3619199999999997e-5, cos_little_dip, 6.9608e-5 * sin_little_dip),
-        0.00014204462400000002,
+        L::splat(2.0),
+        mul_add(
+            L::splat(1.3619199999999997e-5),
+            cos_little_dip,
+            L::splat(6.9608e-5) * sin_little_dip,
+        ),
+        L::splat(0.00014204462400000002),
     );
     let little_fdp_14 = sqrt(little_fdp_13);
-    let little_fdp_15 = k_flexor
-        * (0.1069781758046222 + little_fdp_8 + little_fdp_12 + little_fdp_14
-            - rest_little_fdp);
-    let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
+    let little_fdp_15 = (L::splat(0.1069781758046222) + little_fdp_8 + little_fdp_12
+        + little_fdp_14 - rest_little_fdp) * c_2;
+    let little_fdp_16 = mul_add(
+        little_fdp_4,
+        little_fdp_10,
+        little_fdp_1 * (little_fdp_4 * little_fdp_9),
+    ) * little_fdp_15;
+    let little_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_little_mcp,
+        L::splat(0.0105) * sin_little_mcp,
+    );
     let little_edc_2 = mul_add(
-        0.003000000000000003,
+        L::splat(0.003000000000000003),
         cos_little_ab,
-        2.9815559743351372e-18 * sin_little_ab,
+        L::splat(2.9815559743351372e-18) * sin_little_ab,
     );
     let little_edc_3 = little_edc_2 + little_edc_1;
     let little_edc_4 = neg_mul_add(
-        2.9815559743351372e-18,
+        L::splat(2.9815559743351372e-18),
         cos_little_ab,
-        0.003000000000000003 * sin_little_ab,
+        L::splat(0.003000000000000003) * sin_little_ab,
     );
-    let little_edc_5 = mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
-    let little_edc_6 = -0.011 + little_edc_5;
+    let little_edc_5 = mul_sub(
+        L::splat(0.0105),
+        cos_little_mcp,
+        L::splat(0.003) * sin_little_mcp,
+    );
+    let little_edc_6 = L::splat(-0.011) + little_edc_5;
     let little_edc_7 = mul_add(
         little_edc_6,
         little_edc_6,
         mul_add(little_edc_3, little_edc_3, little_edc_4 * little_edc_4),
     );
     let little_edc_8 = sqrt(little_edc_7);
-    let little_edc_9 = 1.0 / little_edc_8;
+    let little_edc_9 = L::splat(1.0) / little_edc_8;
     let little_edc_10 = little_edc_3 * little_edc_9;
     let little_edc_11 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         mul_sub(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             cos_little_pip,
-            3.6000000000000014e-5 * sin_little_pip,
+            L::splat(3.6000000000000014e-5) * sin_little_pip,
         ),
-        0.00016999999999999999,
+        L::splat(0.00016999999999999999),
     );
     let little_edc_12 = sqrt(little_edc_11);
-    let little_edc_13 = k_extensor
-        * (0.12844554910897665 + little_edc_8 + little_edc_12 - rest_little_edc);
-    let little_edc_14 = neg_mul_add(
-        little_edc_4,
-        little_edc_10,
-        little_edc_2 * (little_edc_4 * little_edc_9),
-    ) * little_edc_13;
-    let little_ab_30 = mul_sub(
-        mul_add(
-            little_fdp_4,
-            little_fdp_10,
-            little_fdp_1 * (little_fdp_4 * little_fdp_9),
+    let little_edc_13 = (L::splat(0.12844554910897665) + little_edc_8 + little_edc_12
+        - rest_little_edc) * c_3;
+    let little_ab_30 = neg_mul_add(
+        neg_mul_add(
+            little_edc_4,
+            little_edc_10,
+            little_edc_2 * (little_edc_4 * little_edc_9),
         ),
-        little_fdp_15,
-        little_edc_14,
+        little_edc_13,
+        little_fdp_16,
     );
-    let little_interosseous_1 = 0.008 * cos_little_mcp;
+    let little_interosseous_1 = L::splat(0.008) * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
-        0.001,
+        L::splat(0.001),
         sin_little_mcp,
         little_interosseous_1,
     );
     let little_interosseous_3 = mul_add(
-        0.008000000000000002,
+        L::splat(0.008000000000000002),
         cos_little_ab,
-        0.010999999999999996 * sin_little_ab,
+        L::splat(0.010999999999999996) * sin_little_ab,
     );
     let little_interosseous_4 = little_interosseous_3 + little_interosseous_2;
     let little_interosseous_5 = neg_mul_add(
-        0.010999999999999996,
+        L::splat(0.010999999999999996),
         cos_little_ab,
-        0.008000000000000002 * sin_little_ab,
+        L::splat(0.008000000000000002) * sin_little_ab,
     );
-    let little_interosseous_6 = -0.01 - little_interosseous_5;
-    let little_interosseous_7 = 0.008 * sin_little_mcp;
-    let little_interosseous_8 = mul_add(0.001, cos_little_mcp, little_interosseous_7);
-    let little_interosseous_9 = 0.001 - little_interosseous_8;
+    let little_interosseous_6 = L::splat(-0.01) - little_interosseous_5;
+    let little_interosseous_7 = L::splat(0.008) * sin_little_mcp;
+    let little_interosseous_8 = mul_add(
+        L::splat(0.001),
+        cos_little_mcp,
+        little_interosseous_7,
+    );
+    let little_interosseous_9 = L::splat(0.001) - little_interosseous_8;
     let little_interosseous_10 = mul_add(
         little_interosseous_9,
         little_interosseous_9,
@@ -1602,10 +1797,10 @@ pub fn evaluate(
         ),
     );
     let little_interosseous_11 = sqrt(little_interosseous_10);
-    let little_interosseous_12 = 1.0 / little_interosseous_11;
+    let little_interosseous_12 = L::splat(1.0) / little_interosseous_11;
     let little_interosseous_13 = little_interosseous_4 * little_interosseous_12;
-    let little_interosseous_14 = k_intrinsic
-        * (0.03086243671520445 + little_interosseous_11 - rest_little_interosseous);
+    let little_interosseous_14 = (L::splat(0.03086243671520445) + little_interosseous_11
+        - rest_little_interosseous) * c_1;
     let little_ab_31 = mul_add(
         mul_add(
             little_interosseous_5,
@@ -1616,43 +1811,54 @@ pub fn evaluate(
         little_ab_30,
     );
     let little_band_1 = neg_mul_add(
-        0.007999999999999998,
+        L::splat(0.007999999999999998),
         cos_little_ab,
-        0.01 * sin_little_ab,
+        L::splat(0.01) * sin_little_ab,
     );
-    let little_band_2 = neg_mul_add(0.005, sin_little_mcp, little_interosseous_1);
+    let little_band_2 = neg_mul_add(
+        L::splat(0.005),
+        sin_little_mcp,
+        little_interosseous_1,
+    );
     let little_band_3 = little_band_2 - little_band_1;
     let little_band_4 = mul_add(
-        0.01,
+        L::splat(0.01),
         cos_little_ab,
-        0.007999999999999998 * sin_little_ab,
+        L::splat(0.007999999999999998) * sin_little_ab,
     );
-    let little_band_5 = 0.009 - little_band_4;
-    let little_band_6 = mul_add(0.005, cos_little_mcp, little_interosseous_7);
-    let little_band_7 = 0.005 - little_band_6;
+    let little_band_5 = L::splat(0.009) - little_band_4;
+    let little_band_6 = mul_add(L::splat(0.005), cos_little_mcp, little_interosseous_7);
+    let little_band_7 = L::splat(0.005) - little_band_6;
     let little_band_8 = mul_add(
         little_band_7,
         little_band_7,
         mul_add(little_band_3, little_band_3, little_band_5 * little_band_5),
     );
     let little_band_9 = sqrt(little_band_8);
-    let little_band_10 = 1.0 / little_band_9;
+    let little_band_10 = L::splat(1.0) / little_band_9;
     let little_band_11 = little_band_3 * little_band_10;
     let little_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(2.7e-5, cos_little_pip, 3.5999999999999994e-5 * sin_little_pip),
-        8.999999999999998e-5,
+        L::splat(2.0),
+        mul_sub(
+            L::splat(2.7e-5),
+            cos_little_pip,
+            L::splat(3.5999999999999994e-5) * sin_little_pip,
+        ),
+        L::splat(8.999999999999998e-5),
     );
     let little_band_13 = sqrt(little_band_12);
     let little_band_14 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_little_dip, 2.5999999999999988e-5 * sin_little_dip),
-        9.649999999999999e-5,
+        L::splat(2.0),
+        mul_sub(
+            L::splat(3.825e-5),
+            cos_little_dip,
+            L::splat(2.5999999999999988e-5) * sin_little_dip,
+        ),
+        L::splat(9.649999999999999e-5),
     );
     let little_band_15 = sqrt(little_band_14);
-    let little_band_16 = k_intrinsic
-        * (0.06932376200206641 + little_band_9 + little_band_13 + little_band_15
-            - rest_little_band);
+    let little_band_16 = (L::splat(0.06932376200206641) + little_band_9 + little_band_13
+        + little_band_15 - rest_little_band) * c_1;
     let little_ab_32 = neg_mul_add(
         neg_mul_add(
             little_band_4,
@@ -1662,13 +1868,13 @@ pub fn evaluate(
         little_band_16,
         little_ab_31,
     );
-    force[coordinate::LITTLE_AB] = neg_mul_add(damping, v_little_ab, little_ab_32);
+    force[12] = neg_mul_add(v_little_ab, c_0, little_ab_32);
     let little_mcp_9 = little_ab_15 + little_ab_4;
-    let little_mcp_10 = 9.81 * cos_little_mcp;
-    let little_mcp_11 = 9.81 * sin_little_mcp;
+    let little_mcp_10 = L::splat(9.81) * cos_little_mcp;
+    let little_mcp_11 = L::splat(9.81) * sin_little_mcp;
     let little_mcp_12 = (little_ab_25 + little_ab_22) * little_mcp_11;
     let little_mcp_13 = mul_sub(
-        0.00014965563926121566 + little_mcp_9,
+        L::splat(0.00014965563926121566) + little_mcp_9,
         little_mcp_10,
         little_mcp_12,
     ) - mul_add(little_ab_7, little_ab_29, little_ab_12 * little_ab_21);
@@ -1708,48 +1914,48 @@ pub fn evaluate(
         little_band_16,
         little_mcp_16,
     );
-    force[coordinate::LITTLE_MCP] = neg_mul_add(damping, v_little_mcp, little_mcp_17);
+    force[13] = neg_mul_add(v_little_mcp, c_0, little_mcp_17);
     let little_pip_2 = mul_sub(little_ab_12, little_ab_22, little_ab_7 * little_ab_4);
-    let little_pip_3 = 0.0327 * little_ab_12
+    let little_pip_3 = L::splat(0.0327) * little_ab_12
         * (mul_sub(little_ab_12, little_ab_25, little_ab_7 * little_ab_15)
             + little_pip_2);
     let little_pip_4 = mul_sub(
-        0.0327 * v_little_mcp,
+        L::splat(0.0327) * v_little_mcp,
         neg_mul_add(little_mcp_1, little_ab_25, little_dip_1),
         little_pip_3,
     );
     let little_pip_5 = little_pip_4
         - mul_add(little_ab_7, little_ab_28, little_ab_12 * little_ab_20)
         + neg_mul_add(
-            0.0021532675088961877,
+            L::splat(0.0021532675088961877),
             cos_little_mcp,
             mul_sub(little_mcp_9, little_mcp_10, little_mcp_12),
         );
-    let little_fdp_16 = mul_add(
-        1.1621999999999991e-5,
+    let little_fdp_17 = mul_add(
+        L::splat(1.1621999999999991e-5),
         sin_little_pip,
-        0.000156418 * cos_little_pip,
+        L::splat(0.000156418) * cos_little_pip,
     ) / little_fdp_12;
-    let little_edc_15 = mul_add(
-        7.699999999999999e-5,
+    let little_edc_14 = mul_add(
+        L::splat(7.699999999999999e-5),
         sin_little_pip,
-        3.6000000000000014e-5 * cos_little_pip,
+        L::splat(3.6000000000000014e-5) * cos_little_pip,
     ) / little_edc_12;
     let little_band_17 = mul_add(
-        2.7e-5,
+        L::splat(2.7e-5),
         sin_little_pip,
-        3.5999999999999994e-5 * cos_little_pip,
+        L::splat(3.5999999999999994e-5) * cos_little_pip,
     ) / little_band_13;
     let little_pip_6 = neg_mul_add(
         little_band_17,
         little_band_16,
         neg_mul_add(
-            little_edc_15,
+            little_edc_14,
             little_edc_13,
-            mul_add(little_fdp_16, little_fdp_15, little_pip_5),
+            mul_add(little_fdp_17, little_fdp_15, little_pip_5),
         ),
     );
-    force[coordinate::LITTLE_PIP] = neg_mul_add(damping, v_little_pip, little_pip_6);
+    force[14] = neg_mul_add(v_little_pip, c_0, little_pip_6);
     let little_dip_2 = mul_sub(
         mul_sub(little_ab_2, little_mcp_1, little_mcp_3),
         little_dip_1,
@@ -1762,80 +1968,87 @@ pub fn evaluate(
     ) - mul_add(little_ab_7, little_ab_24, little_ab_12 * little_ab_13);
     let little_dip_4 = mul_sub(
         little_ab_8,
-        0.026578326238711772 * sin_little_mcp,
-        little_ab_2 * (0.026578326238711772 * cos_little_mcp),
+        L::splat(0.026578326238711772) * sin_little_mcp,
+        little_ab_2 * (L::splat(0.026578326238711772) * cos_little_mcp),
     );
     let little_dip_5 = little_dip_3
         + (neg_mul_add(little_ab_22, little_mcp_11, little_ab_4 * little_mcp_10)
             + little_dip_4);
-    let little_fdp_17 = mul_sub(
-        1.3619199999999997e-5,
+    let little_fdp_18 = mul_sub(
+        L::splat(1.3619199999999997e-5),
         sin_little_dip,
-        6.9608e-5 * cos_little_dip,
+        L::splat(6.9608e-5) * cos_little_dip,
     ) / little_fdp_14;
     let little_band_18 = mul_add(
-        3.825e-5,
+        L::splat(3.825e-5),
         sin_little_dip,
-        2.5999999999999988e-5 * cos_little_dip,
+        L::splat(2.5999999999999988e-5) * cos_little_dip,
     ) / little_band_15;
-    force[coordinate::LITTLE_DIP] = neg_mul_add(
-        damping,
+    force[15] = neg_mul_add(
         v_little_dip,
+        c_0,
         neg_mul_add(
             little_band_18,
             little_band_16,
-            neg_mul_add(little_fdp_17, little_fdp_15, little_dip_5),
+            neg_mul_add(little_fdp_18, little_fdp_15, little_dip_5),
         ),
     );
-    let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
-    let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
+    let thumb_fpl_1 = L::splat(0.012) * sin_thumb_cmc;
+    let thumb_fpl_2 = L::splat(0.012) * cos_thumb_cmc;
     let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
     let thumb_fpl_4 = mul_add(
-        0.008000000000000004,
+        L::splat(0.008000000000000004),
         cos_thumb_ab,
-        0.0029999999999999996 * sin_thumb_ab,
+        L::splat(0.0029999999999999996) * sin_thumb_ab,
     );
     let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
     let thumb_fpl_6 = neg_mul_add(
-        0.0029999999999999996,
+        L::splat(0.0029999999999999996),
         cos_thumb_ab,
-        0.008000000000000004 * sin_thumb_ab,
+        L::splat(0.008000000000000004) * sin_thumb_ab,
     );
-    let thumb_fpl_7 = -0.002 - thumb_fpl_6;
+    let thumb_fpl_7 = L::splat(-0.002) - thumb_fpl_6;
     let thumb_fpl_8 = thumb_fpl_2 + thumb_fpl_1;
-    let thumb_fpl_9 = 0.012000000000000004 - thumb_fpl_8;
+    let thumb_fpl_9 = L::splat(0.012000000000000004) - thumb_fpl_8;
     let thumb_fpl_10 = mul_add(
         thumb_fpl_9,
         thumb_fpl_9,
         mul_add(thumb_fpl_5, thumb_fpl_5, thumb_fpl_7 * thumb_fpl_7),
     );
     let thumb_fpl_11 = sqrt(thumb_fpl_10);
-    let thumb_fpl_12 = 1.0 / thumb_fpl_11;
+    let thumb_fpl_12 = L::splat(1.0) / thumb_fpl_11;
     let thumb_fpl_13 = thumb_fpl_5 * thumb_fpl_12;
     let thumb_fpl_14 = neg_mul_add(
-        2.0,
-        mul_add(9.999999999999972e-6, cos_thumb_mcp, 0.00021 * sin_thumb_mcp),
-        0.00042100000000000004,
+        L::splat(2.0),
+        mul_add(
+            L::splat(9.999999999999972e-6),
+            cos_thumb_mcp,
+            L::splat(0.00021) * sin_thumb_mcp,
+        ),
+        L::splat(0.00042100000000000004),
     );
     let thumb_fpl_15 = sqrt(thumb_fpl_14);
     let thumb_fpl_16 = neg_mul_add(
-        2.0,
+        L::splat(2.0),
         neg_mul_add(
-            4.799999999999981e-6,
+            L::splat(4.799999999999981e-6),
             cos_thumb_ip,
-            0.00014879999999999998 * sin_thumb_ip,
+            L::splat(0.00014879999999999998) * sin_thumb_ip,
         ),
-        0.00030115999999999997,
+        L::splat(0.00030115999999999997),
     );
     let thumb_fpl_17 = sqrt(thumb_fpl_16);
-    let thumb_fpl_18 = k_flexor
-        * (0.0774786774042295 + thumb_fpl_11 + thumb_fpl_15 + thumb_fpl_17
-            - rest_thumb_fpl);
+    let thumb_fpl_18 = (L::splat(0.0774786774042295) + thumb_fpl_11 + thumb_fpl_15
+        + thumb_fpl_17 - rest_thumb_fpl) * c_2;
     let thumb_ab_30 = thumb_ab_15 + thumb_ab_4;
-    let thumb_ab_31 = 0.00044625375511580167 + thumb_ab_30;
-    let thumb_ab_32 = 9.81
-        * mul_sub(0.19866933079506122, sin_thumb_ab, 0.8246975884333746 * cos_thumb_ab);
+    let thumb_ab_31 = L::splat(0.00044625375511580167) + thumb_ab_30;
+    let thumb_ab_32 = L::splat(9.81)
+        * mul_sub(
+            L::splat(0.19866933079506122),
+            sin_thumb_ab,
+            L::splat(0.8246975884333746) * cos_thumb_ab,
+        );
     let thumb_ab_33 = thumb_ab_25 + thumb_ab_22;
     let thumb_ab_34 = mul_sub(
         sin_thumb_cmc,
@@ -1847,95 +2060,110 @@ pub fn evaluate(
         thumb_fpl_18,
         thumb_ab_34,
     );
-    let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = mul_add(0.004, cos_thumb_ab, 0.008 * sin_thumb_ab);
+    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, thumb_fpl_1);
+    let thumb_epl_2 = mul_add(
+        L::splat(0.004),
+        cos_thumb_ab,
+        L::splat(0.008) * sin_thumb_ab,
+    );
     let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
-    let thumb_epl_4 = neg_mul_add(0.008, cos_thumb_ab, 0.004 * sin_thumb_ab);
-    let thumb_epl_5 = -0.008 - thumb_epl_4;
-    let thumb_epl_6 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_7 = -0.012000000000000004 + thumb_epl_6;
+    let thumb_epl_4 = neg_mul_add(
+        L::splat(0.008),
+        cos_thumb_ab,
+        L::splat(0.004) * sin_thumb_ab,
+    );
+    let thumb_epl_5 = L::splat(-0.008) - thumb_epl_4;
+    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_7 = L::splat(-0.012000000000000004) + thumb_epl_6;
     let thumb_epl_8 = mul_add(
         thumb_epl_7,
         thumb_epl_7,
         mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
     );
     let thumb_epl_9 = sqrt(thumb_epl_8);
-    let thumb_epl_10 = 1.0 / thumb_epl_9;
+    let thumb_epl_10 = L::splat(1.0) / thumb_epl_9;
     let thumb_epl_11 = thumb_epl_3 * thumb_epl_10;
     let thumb_epl_12 = neg_mul_add(
-        2.0,
-        mul_sub(0.00011549999999999999, cos_thumb_mcp, 5.17e-5 * sin_thumb_mcp),
-        0.00025309000000000003,
+        L::splat(2.0),
+        mul_sub(
+            L::splat(0.00011549999999999999),
+            cos_thumb_mcp,
+            L::splat(5.17e-5) * sin_thumb_mcp,
+        ),
+        L::splat(0.00025309000000000003),
     );
     let thumb_epl_13 = sqrt(thumb_epl_12);
     let thumb_epl_14 = neg_mul_add(
-        2.0,
-        mul_sub(9.475e-5, cos_thumb_ip, 4.6000000000000014e-5 * sin_thumb_ip),
-        0.00021066000000000002,
+        L::splat(2.0),
+        mul_sub(
+            L::splat(9.475e-5),
+            cos_thumb_ip,
+            L::splat(4.6000000000000014e-5) * sin_thumb_ip,
+        ),
+        L::splat(0.00021066000000000002),
     );
     let thumb_epl_15 = sqrt(thumb_epl_14);
-    let thumb_epl_16 = k_extensor
-        * (0.10924140044546013 + thumb_epl_9 + thumb_epl_13 + thumb_epl_15
-            - rest_thumb_epl);
+    let thumb_epl_16 = (L::splat(0.10924140044546013) + thumb_epl_9 + thumb_epl_13
+        + thumb_epl_15 - rest_thumb_epl) * c_3;
     let thumb_ab_36 = mul_add(
         mul_add(thumb_epl_4, thumb_epl_11, thumb_epl_2 * (thumb_epl_5 * thumb_epl_10)),
         thumb_epl_16,
         thumb_ab_35,
     );
     let thumb_epb_1 = neg_mul_add(
-        0.003999999999999999,
+        L::splat(0.003999999999999999),
         cos_thumb_ab,
-        0.005000000000000001 * sin_thumb_ab,
+        L::splat(0.005000000000000001) * sin_thumb_ab,
     );
     let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
     let thumb_epb_3 = mul_add(
-        0.005000000000000001,
+        L::splat(0.005000000000000001),
         cos_thumb_ab,
-        0.003999999999999999 * sin_thumb_ab,
+        L::splat(0.003999999999999999) * sin_thumb_ab,
     );
-    let thumb_epb_4 = 0.005 - thumb_epb_3;
+    let thumb_epb_4 = L::splat(0.005) - thumb_epb_3;
     let thumb_epb_5 = mul_add(
         thumb_epl_7,
         thumb_epl_7,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
     let thumb_epb_6 = sqrt(thumb_epb_5);
-    let thumb_epb_7 = 1.0 / thumb_epb_6;
+    let thumb_epb_7 = L::splat(1.0) / thumb_epb_6;
     let thumb_epb_8 = thumb_epb_2 * thumb_epb_7;
-    let thumb_epb_9 = k_intrinsic
-        * (thumb_epl_13 + (0.07536380062479958 + thumb_epb_6) - rest_thumb_epb);
+    let thumb_epb_9 = (thumb_epl_13 + (L::splat(0.07536380062479958) + thumb_epb_6)
+        - rest_thumb_epb) * c_1;
     let thumb_ab_37 = neg_mul_add(
         neg_mul_add(thumb_epb_3, thumb_epb_8, thumb_epb_1 * (thumb_epb_4 * thumb_epb_7)),
         thumb_epb_9,
         thumb_ab_36,
     );
     let thumb_apl_1 = neg_mul_add(
-        0.007000000000000001,
+        L::splat(0.007000000000000001),
         cos_thumb_ab,
-        0.012000000000000004 * sin_thumb_ab,
+        L::splat(0.012000000000000004) * sin_thumb_ab,
     );
-    let thumb_apl_2 = 0.006 * cos_thumb_cmc;
-    let thumb_apl_3 = mul_add(0.004, sin_thumb_cmc, thumb_apl_2);
+    let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
+    let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-        0.012000000000000004,
+        L::splat(0.012000000000000004),
         cos_thumb_ab,
-        0.007000000000000001 * sin_thumb_ab,
+        L::splat(0.007000000000000001) * sin_thumb_ab,
     );
-    let thumb_apl_6 = 0.012 - thumb_apl_5;
-    let thumb_apl_7 = 0.006 * sin_thumb_cmc;
-    let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = -0.005 + thumb_apl_8;
+    let thumb_apl_6 = L::splat(0.012) - thumb_apl_5;
+    let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
+    let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
+    let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
     let thumb_apl_11 = sqrt(thumb_apl_10);
-    let thumb_apl_12 = 1.0 / thumb_apl_11;
+    let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
     let thumb_apl_13 = thumb_apl_4 * thumb_apl_12;
-    let thumb_apl_14 = k_intrinsic
-        * (0.030550892117392127 + thumb_apl_11 - rest_thumb_apl);
+    let thumb_apl_14 = (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl)
+        * c_1;
     let thumb_ab_38 = neg_mul_add(
         neg_mul_add(
             thumb_apl_5,
@@ -1946,36 +2174,48 @@ pub fn evaluate(
         thumb_ab_37,
     );
     let thumb_apb_1 = neg_mul_add(
-        0.00874910502142235,
+        L::splat(0.00874910502142235),
         cos_thumb_ab,
-        0.003271760106466037 * sin_thumb_ab,
+        L::splat(0.003271760106466037) * sin_thumb_ab,
     );
-    let thumb_apb_2 = mul_sub(0.03, cos_thumb_cmc, 0.007 * sin_thumb_cmc);
+    let thumb_apb_2 = mul_sub(
+        L::splat(0.03),
+        cos_thumb_cmc,
+        L::splat(0.007) * sin_thumb_cmc,
+    );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-        0.003271760106466037,
+        L::splat(0.003271760106466037),
         cos_thumb_ab,
-        0.00874910502142235 * sin_thumb_ab,
+        L::splat(0.00874910502142235) * sin_thumb_ab,
     );
-    let thumb_apb_5 = 0.009 - thumb_apb_4;
-    let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
-    let thumb_apb_7 = 0.01329468868119369 - thumb_apb_6;
+    let thumb_apb_5 = L::splat(0.009) - thumb_apb_4;
+    let thumb_apb_6 = mul_add(
+        L::splat(0.007),
+        cos_thumb_cmc,
+        L::splat(0.03) * sin_thumb_cmc,
+    );
+    let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
         mul_add(thumb_apb_3, thumb_apb_3, thumb_apb_5 * thumb_apb_5),
     );
     let thumb_apb_9 = sqrt(thumb_apb_8);
-    let thumb_apb_10 = 1.0 / thumb_apb_9;
+    let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
     let thumb_apb_11 = thumb_apb_3 * thumb_apb_10;
     let thumb_apb_12 = neg_mul_add(
-        2.0,
-        neg_mul_add(2.9599999999999994e-5, cos_thumb_mcp, 9.72e-5 * sin_thumb_mcp),
-        0.00020423999999999998,
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(2.9599999999999994e-5),
+            cos_thumb_mcp,
+            L::splat(9.72e-5) * sin_thumb_mcp,
+        ),
+        L::splat(0.00020423999999999998),
     );
     let thumb_apb_13 = sqrt(thumb_apb_12);
-    let thumb_apb_14 = k_intrinsic
-        * (0.008062257748298557 + thumb_apb_9 + thumb_apb_13 - rest_thumb_apb);
+    let thumb_apb_14 = (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_13
+        - rest_thumb_apb) * c_1;
     let thumb_ab_39 = neg_mul_add(
         neg_mul_add(
             thumb_apb_4,
@@ -1985,85 +2225,105 @@ pub fn evaluate(
         thumb_apb_14,
         thumb_ab_38,
     );
-    let thumb_opp_1 = mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
+    let thumb_opp_1 = mul_sub(
+        L::splat(0.028),
+        cos_thumb_cmc,
+        L::splat(0.01) * sin_thumb_cmc,
+    );
     let thumb_opp_2 = mul_add(
-        0.009538977305795334,
+        L::splat(0.009538977305795334),
         cos_thumb_ab,
-        0.00046527292621430325 * sin_thumb_ab,
+        L::splat(0.00046527292621430325) * sin_thumb_ab,
     );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        0.00046527292621430325,
+        L::splat(0.00046527292621430325),
         cos_thumb_ab,
-        0.009538977305795334 * sin_thumb_ab,
+        L::splat(0.009538977305795334) * sin_thumb_ab,
     );
-    let thumb_opp_5 = 0.004 - thumb_opp_4;
-    let thumb_opp_6 = mul_add(0.01, cos_thumb_cmc, 0.028 * sin_thumb_cmc);
-    let thumb_opp_7 = 0.01941111622405197 - thumb_opp_6;
+    let thumb_opp_5 = L::splat(0.004) - thumb_opp_4;
+    let thumb_opp_6 = mul_add(
+        L::splat(0.01),
+        cos_thumb_cmc,
+        L::splat(0.028) * sin_thumb_cmc,
+    );
+    let thumb_opp_7 = L::splat(0.01941111622405197) - thumb_opp_6;
     let thumb_opp_8 = mul_add(
         thumb_opp_7,
         thumb_opp_7,
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
     let thumb_opp_9 = sqrt(thumb_opp_8);
-    let thumb_opp_10 = 1.0 / thumb_opp_9;
+    let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
     let thumb_opp_11 = thumb_opp_3 * thumb_opp_10;
-    let thumb_opp_12 = k_intrinsic * (thumb_opp_9 - rest_thumb_opp);
+    let thumb_opp_12 = (thumb_opp_9 - rest_thumb_opp) * c_1;
     let thumb_ab_40 = mul_add(
         mul_add(thumb_opp_4, thumb_opp_11, thumb_opp_2 * (thumb_opp_5 * thumb_opp_10)),
         thumb_opp_12,
         thumb_ab_39,
     );
     let thumb_adp_1 = mul_sub(
-        0.025486067515228545,
+        L::splat(0.025486067515228545),
         cos_thumb_ab,
-        0.029821276684971594 * sin_thumb_ab,
+        L::splat(0.029821276684971594) * sin_thumb_ab,
     );
-    let thumb_adp_2 = mul_sub(0.038000000000000006, cos_thumb_cmc, thumb_apl_7);
+    let thumb_adp_2 = mul_sub(
+        L::splat(0.038000000000000006),
+        cos_thumb_cmc,
+        thumb_apl_7,
+    );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-        0.029821276684971594,
+        L::splat(0.029821276684971594),
         cos_thumb_ab,
-        0.025486067515228545 * sin_thumb_ab,
+        L::splat(0.025486067515228545) * sin_thumb_ab,
     );
-    let thumb_adp_5 = -0.009 + thumb_adp_4;
-    let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
-    let thumb_adp_7 = 0.04065896972978512 - thumb_adp_6;
+    let thumb_adp_5 = L::splat(-0.009) + thumb_adp_4;
+    let thumb_adp_6 = mul_add(
+        L::splat(0.038000000000000006),
+        sin_thumb_cmc,
+        thumb_apl_2,
+    );
+    let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
     let thumb_adp_9 = sqrt(thumb_adp_8);
-    let thumb_adp_10 = 1.0 / thumb_adp_9;
+    let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
     let thumb_adp_11 = thumb_adp_3 * thumb_adp_10;
     let thumb_adp_12 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.56e-5, cos_thumb_mcp, 8.9e-5 * sin_thumb_mcp),
-        0.00019224000000000004,
+        L::splat(2.0),
+        neg_mul_add(L::splat(3.56e-5), cos_thumb_mcp, L::splat(8.9e-5) * sin_thumb_mcp),
+        L::splat(0.00019224000000000004),
     );
     let thumb_adp_13 = sqrt(thumb_adp_12);
-    let thumb_adp_14 = k_intrinsic * (thumb_adp_9 + thumb_adp_13 - rest_thumb_adp);
+    let thumb_adp_14 = (thumb_adp_9 + thumb_adp_13 - rest_thumb_adp) * c_1;
     let thumb_ab_41 = neg_mul_add(
         mul_add(thumb_adp_4, thumb_adp_11, thumb_adp_1 * (thumb_adp_5 * thumb_adp_10)),
         thumb_adp_14,
         thumb_ab_40,
     );
-    force[coordinate::THUMB_AB] = neg_mul_add(damping, v_thumb_ab, thumb_ab_41);
+    force[16] = neg_mul_add(v_thumb_ab, c_0, thumb_ab_41);
     let thumb_cmc_9 = mul_add(
-        0.19866933079506122,
+        L::splat(0.19866933079506122),
         cos_thumb_ab * sin_thumb_cmc,
-        0.8246975884333746 * (sin_thumb_ab * sin_thumb_cmc),
+        L::splat(0.8246975884333746) * (sin_thumb_ab * sin_thumb_cmc),
     );
-    let thumb_cmc_10 = mul_sub(0.5295322319119196, cos_thumb_cmc, thumb_cmc_9);
-    let thumb_cmc_11 = 9.81 * thumb_cmc_10;
+    let thumb_cmc_10 = mul_sub(L::splat(0.5295322319119196), cos_thumb_cmc, thumb_cmc_9);
+    let thumb_cmc_11 = L::splat(9.81) * thumb_cmc_10;
     let thumb_cmc_12 = mul_add(
-        0.19866933079506122,
+        L::splat(0.19866933079506122),
         cos_thumb_ab * cos_thumb_cmc,
-        0.8246975884333746 * (sin_thumb_ab * cos_thumb_cmc),
+        L::splat(0.8246975884333746) * (sin_thumb_ab * cos_thumb_cmc),
     );
-    let thumb_cmc_13 = mul_add(0.5295322319119196, sin_thumb_cmc, thumb_cmc_12);
-    let thumb_cmc_14 = 9.81 * thumb_cmc_13;
+    let thumb_cmc_13 = mul_add(
+        L::splat(0.5295322319119196),
+        sin_thumb_cmc,
+        thumb_cmc_12,
+    );
+    let thumb_cmc_14 = L::splat(9.81) * thumb_cmc_13;
     let thumb_cmc_15 = thumb_ab_33 * thumb_cmc_14;
     let thumb_cmc_16 = mul_sub(thumb_ab_31, thumb_cmc_11, thumb_cmc_15)
         - mul_add(thumb_ab_7, thumb_ab_29, thumb_ab_12 * thumb_ab_21);
@@ -2102,31 +2362,31 @@ pub fn evaluate(
         thumb_adp_14,
         thumb_cmc_22,
     );
-    force[coordinate::THUMB_CMC] = neg_mul_add(damping, v_thumb_cmc, thumb_cmc_23);
+    force[17] = neg_mul_add(v_thumb_cmc, c_0, thumb_cmc_23);
     let thumb_mcp_2 = mul_sub(thumb_ab_12, thumb_ab_22, thumb_ab_7 * thumb_ab_4);
-    let thumb_mcp_3 = 0.046200000000000005 * thumb_ab_12
+    let thumb_mcp_3 = L::splat(0.046200000000000005) * thumb_ab_12
         * (mul_sub(thumb_ab_12, thumb_ab_25, thumb_ab_7 * thumb_ab_15) + thumb_mcp_2);
     let thumb_mcp_4 = mul_sub(
-        0.046200000000000005 * v_thumb_cmc,
+        L::splat(0.046200000000000005) * v_thumb_cmc,
         neg_mul_add(thumb_cmc_1, thumb_ab_25, thumb_ip_1),
         thumb_mcp_3,
     );
     let thumb_mcp_5 = thumb_mcp_4
         - mul_add(thumb_ab_7, thumb_ab_28, thumb_ab_12 * thumb_ab_20)
         + neg_mul_add(
-            0.007702213844920938,
+            L::splat(0.007702213844920938),
             thumb_cmc_10,
             mul_sub(thumb_ab_30, thumb_cmc_11, thumb_cmc_15),
         );
     let thumb_fpl_19 = mul_sub(
-        9.999999999999972e-6,
+        L::splat(9.999999999999972e-6),
         sin_thumb_mcp,
-        0.00021 * cos_thumb_mcp,
+        L::splat(0.00021) * cos_thumb_mcp,
     ) / thumb_fpl_15;
     let thumb_epl_17 = mul_add(
-        0.00011549999999999999,
+        L::splat(0.00011549999999999999),
         sin_thumb_mcp,
-        5.17e-5 * cos_thumb_mcp,
+        L::splat(5.17e-5) * cos_thumb_mcp,
     ) / thumb_epl_13;
     let thumb_mcp_6 = neg_mul_add(
         thumb_epl_17,
@@ -2138,15 +2398,18 @@ pub fn evaluate(
         ),
     );
     let thumb_apb_15 = mul_add(
-        2.9599999999999994e-5,
+        L::splat(2.9599999999999994e-5),
         sin_thumb_mcp,
-        9.72e-5 * cos_thumb_mcp,
+        L::splat(9.72e-5) * cos_thumb_mcp,
     ) / thumb_apb_13;
-    let thumb_adp_15 = mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp)
-        / thumb_adp_13;
-    force[coordinate::THUMB_MCP] = neg_mul_add(
-        damping,
+    let thumb_adp_15 = mul_add(
+        L::splat(3.56e-5),
+        sin_thumb_mcp,
+        L::splat(8.9e-5) * cos_thumb_mcp,
+    ) / thumb_adp_13;
+    force[18] = neg_mul_add(
         v_thumb_mcp,
+        c_0,
         mul_add(
             thumb_adp_15,
             thumb_adp_14,
@@ -2162,35 +2425,35 @@ pub fn evaluate(
         - mul_add(thumb_ab_7, thumb_ab_24, thumb_ab_12 * thumb_ab_13);
     let thumb_ip_4 = mul_sub(
         thumb_ab_8,
-        0.05958765820125469 * thumb_cmc_13,
-        thumb_ab_2 * (0.05958765820125469 * thumb_cmc_10),
+        L::splat(0.05958765820125469) * thumb_cmc_13,
+        thumb_ab_2 * (L::splat(0.05958765820125469) * thumb_cmc_10),
     );
     let thumb_ip_5 = thumb_ip_3
         + (neg_mul_add(thumb_ab_22, thumb_cmc_14, thumb_ab_4 * thumb_cmc_11)
             + thumb_ip_4);
     let thumb_fpl_20 = mul_add(
-        4.799999999999981e-6,
+        L::splat(4.799999999999981e-6),
         sin_thumb_ip,
-        0.00014879999999999998 * cos_thumb_ip,
+        L::splat(0.00014879999999999998) * cos_thumb_ip,
     ) / thumb_fpl_17;
     let thumb_epl_18 = mul_add(
-        9.475e-5,
+        L::splat(9.475e-5),
         sin_thumb_ip,
-        4.6000000000000014e-5 * cos_thumb_ip,
+        L::splat(4.6000000000000014e-5) * cos_thumb_ip,
     ) / thumb_epl_15;
-    force[coordinate::THUMB_IP] = neg_mul_add(
-        damping,
+    force[19] = neg_mul_add(
         v_thumb_ip,
+        c_0,
         neg_mul_add(
             thumb_epl_18,
             thumb_epl_16,
             mul_add(thumb_fpl_20, thumb_fpl_18, thumb_ip_5),
         ),
     );
-    force[coordinate::BALL_TX] = 0.0;
-    force[coordinate::BALL_TY] = 0.0;
-    force[coordinate::BALL_TZ] = -0.9810000000000001;
-    force[coordinate::BALL_RX] = mul_sub(v_ball_tz, ball_ty_1, v_ball_ty * ball_tz_1);
+    force[20] = L::splat(0.0);
+    force[21] = L::splat(0.0);
+    force[22] = L::splat(-0.9810000000000001);
+    force[23] = mul_sub(v_ball_tz, ball_ty_1, v_ball_ty * ball_tz_1);
     let ball_ry_7 = neg_mul_add(
         v_ball_rx * sin_ball_rx,
         ball_ry_6,
@@ -2201,8 +2464,7 @@ pub fn evaluate(
         ball_tx_1,
         v_ball_tx * sin_ball_rx * ball_ty_1,
     );
-    force[coordinate::BALL_RY] = ball_ry_7
-        + mul_add(v_ball_tx * cos_ball_rx, ball_tz_1, ball_ry_8);
+    force[24] = ball_ry_7 + mul_add(v_ball_tx * cos_ball_rx, ball_tz_1, ball_ry_8);
     let ball_rz_1 = mul_add(
         mul_add(ball_ry_1, ball_ry_5, ball_ry_4 * ball_ry_2),
         ball_rx_1,
@@ -2223,7 +2485,7 @@ pub fn evaluate(
         ball_tz_1,
         ball_rz_3,
     );
-    force[coordinate::BALL_RZ] = ball_rz_2 + ball_rz_4;
+    force[25] = ball_rz_2 + ball_rz_4;
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -2235,122 +2497,120 @@ pub fn evaluate(
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
 /// 4779 operations: 529 sums, 1267 products, 1431 products with sum, 50 divisions, 49 roots, 22 sines and cosines.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    values: &[f64; VALUES],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
+pub fn evaluate_with_matrix<L: Lane>(
+    q: &[L; 26],
+    v: &[L; 26],
+    h: L,
+    rest: &[L; 23],
+    constants: &[f64],
+    momentum: &mut [L; 26],
+    force: &mut [L; 26],
+    matrix: &mut [L; 676],
 ) {
-    let mut work = [0.0; 110];
+    let mut work = [L::splat(0.0); 97];
     evaluate_with_matrix_part_1(
         q,
         v,
         h,
         rest,
-        params,
-        values,
+        constants,
         momentum,
         force,
         matrix,
         &mut work,
     );
-    evaluate_with_matrix_part_2(v, values, matrix, &mut work);
+    evaluate_with_matrix_part_2(v, constants, matrix, &mut work);
 }
 
 #[inline(never)]
-fn evaluate_with_matrix_part_1(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    values: &[f64; VALUES],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
-    work: &mut [f64; 110],
+fn evaluate_with_matrix_part_1<L: Lane>(
+    q: &[L; 26],
+    v: &[L; 26],
+    h: L,
+    rest: &[L; 23],
+    constants: &[f64],
+    momentum: &mut [L; 26],
+    force: &mut [L; 26],
+    matrix: &mut [L; 676],
+    work: &mut [L; 97],
 ) {
-    let q_index_ab = q[coordinate::INDEX_AB];
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let q_middle_ab = q[coordinate::MIDDLE_AB];
-    let q_middle_mcp = q[coordinate::MIDDLE_MCP];
-    let q_middle_pip = q[coordinate::MIDDLE_PIP];
-    let q_middle_dip = q[coordinate::MIDDLE_DIP];
-    let q_ring_ab = q[coordinate::RING_AB];
-    let q_ring_mcp = q[coordinate::RING_MCP];
-    let q_ring_pip = q[coordinate::RING_PIP];
-    let q_ring_dip = q[coordinate::RING_DIP];
-    let q_little_ab = q[coordinate::LITTLE_AB];
-    let q_little_mcp = q[coordinate::LITTLE_MCP];
-    let q_little_pip = q[coordinate::LITTLE_PIP];
-    let q_little_dip = q[coordinate::LITTLE_DIP];
-    let q_thumb_ab = q[coordinate::THUMB_AB];
-    let q_thumb_cmc = q[coordinate::THUMB_CMC];
-    let q_thumb_mcp = q[coordinate::THUMB_MCP];
-    let q_thumb_ip = q[coordinate::THUMB_IP];
-    let q_ball_rx = q[coordinate::BALL_RX];
-    let q_ball_ry = q[coordinate::BALL_RY];
-    let v_index_ab = v[coordinate::INDEX_AB];
-    let v_index_mcp = v[coordinate::INDEX_MCP];
-    let v_index_pip = v[coordinate::INDEX_PIP];
-    let v_index_dip = v[coordinate::INDEX_DIP];
-    let v_middle_ab = v[coordinate::MIDDLE_AB];
-    let v_middle_mcp = v[coordinate::MIDDLE_MCP];
-    let v_middle_pip = v[coordinate::MIDDLE_PIP];
-    let v_middle_dip = v[coordinate::MIDDLE_DIP];
-    let v_ring_ab = v[coordinate::RING_AB];
-    let v_ring_mcp = v[coordinate::RING_MCP];
-    let v_ring_pip = v[coordinate::RING_PIP];
-    let v_ring_dip = v[coordinate::RING_DIP];
-    let v_little_ab = v[coordinate::LITTLE_AB];
-    let v_little_mcp = v[coordinate::LITTLE_MCP];
-    let v_little_pip = v[coordinate::LITTLE_PIP];
-    let v_little_dip = v[coordinate::LITTLE_DIP];
-    let v_thumb_ab = v[coordinate::THUMB_AB];
-    let v_thumb_cmc = v[coordinate::THUMB_CMC];
-    let v_thumb_mcp = v[coordinate::THUMB_MCP];
-    let v_thumb_ip = v[coordinate::THUMB_IP];
-    let v_ball_tx = v[coordinate::BALL_TX];
-    let v_ball_ty = v[coordinate::BALL_TY];
-    let v_ball_tz = v[coordinate::BALL_TZ];
-    let v_ball_rx = v[coordinate::BALL_RX];
-    let v_ball_ry = v[coordinate::BALL_RY];
-    let v_ball_rz = v[coordinate::BALL_RZ];
-    let k_flexor = params[parameter::K_FLEXOR];
-    let k_extensor = params[parameter::K_EXTENSOR];
-    let k_intrinsic = params[parameter::K_INTRINSIC];
-    let damping = params[parameter::DAMPING];
-    let rest_index_fdp = rest[strand::INDEX_FDP];
-    let rest_index_edc = rest[strand::INDEX_EDC];
-    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
-    let rest_index_band = rest[strand::INDEX_BAND];
-    let rest_middle_fdp = rest[strand::MIDDLE_FDP];
-    let rest_middle_edc = rest[strand::MIDDLE_EDC];
-    let rest_middle_interosseous = rest[strand::MIDDLE_INTEROSSEOUS];
-    let rest_middle_band = rest[strand::MIDDLE_BAND];
-    let rest_ring_fdp = rest[strand::RING_FDP];
-    let rest_ring_edc = rest[strand::RING_EDC];
-    let rest_ring_interosseous = rest[strand::RING_INTEROSSEOUS];
-    let rest_ring_band = rest[strand::RING_BAND];
-    let rest_little_fdp = rest[strand::LITTLE_FDP];
-    let rest_little_edc = rest[strand::LITTLE_EDC];
-    let rest_little_interosseous = rest[strand::LITTLE_INTEROSSEOUS];
-    let rest_little_band = rest[strand::LITTLE_BAND];
-    let rest_thumb_fpl = rest[strand::THUMB_FPL];
-    let rest_thumb_epl = rest[strand::THUMB_EPL];
-    let rest_thumb_epb = rest[strand::THUMB_EPB];
-    let rest_thumb_apl = rest[strand::THUMB_APL];
-    let rest_thumb_apb = rest[strand::THUMB_APB];
-    let rest_thumb_opp = rest[strand::THUMB_OPP];
-    let rest_thumb_adp = rest[strand::THUMB_ADP];
-    let value_0 = values[0];
+    let constants = &constants[..5 * L::WIDTH];
+    let q_index_ab = q[0];
+    let q_index_mcp = q[1];
+    let q_index_pip = q[2];
+    let q_index_dip = q[3];
+    let q_middle_ab = q[4];
+    let q_middle_mcp = q[5];
+    let q_middle_pip = q[6];
+    let q_middle_dip = q[7];
+    let q_ring_ab = q[8];
+    let q_ring_mcp = q[9];
+    let q_ring_pip = q[10];
+    let q_ring_dip = q[11];
+    let q_little_ab = q[12];
+    let q_little_mcp = q[13];
+    let q_little_pip = q[14];
+    let q_little_dip = q[15];
+    let q_thumb_ab = q[16];
+    let q_thumb_cmc = q[17];
+    let q_thumb_mcp = q[18];
+    let q_thumb_ip = q[19];
+    let q_ball_rx = q[23];
+    let q_ball_ry = q[24];
+    let v_index_ab = v[0];
+    let v_index_mcp = v[1];
+    let v_index_pip = v[2];
+    let v_index_dip = v[3];
+    let v_middle_ab = v[4];
+    let v_middle_mcp = v[5];
+    let v_middle_pip = v[6];
+    let v_middle_dip = v[7];
+    let v_ring_ab = v[8];
+    let v_ring_mcp = v[9];
+    let v_ring_pip = v[10];
+    let v_ring_dip = v[11];
+    let v_little_ab = v[12];
+    let v_little_mcp = v[13];
+    let v_little_pip = v[14];
+    let v_little_dip = v[15];
+    let v_thumb_ab = v[16];
+    let v_thumb_cmc = v[17];
+    let v_thumb_mcp = v[18];
+    let v_thumb_ip = v[19];
+    let v_ball_tx = v[20];
+    let v_ball_ty = v[21];
+    let v_ball_tz = v[22];
+    let v_ball_rx = v[23];
+    let v_ball_ry = v[24];
+    let v_ball_rz = v[25];
+    let rest_index_fdp = rest[0];
+    let rest_index_edc = rest[1];
+    let rest_index_interosseous = rest[2];
+    let rest_index_band = rest[3];
+    let rest_middle_fdp = rest[4];
+    let rest_middle_edc = rest[5];
+    let rest_middle_interosseous = rest[6];
+    let rest_middle_band = rest[7];
+    let rest_ring_fdp = rest[8];
+    let rest_ring_edc = rest[9];
+    let rest_ring_interosseous = rest[10];
+    let rest_ring_band = rest[11];
+    let rest_little_fdp = rest[12];
+    let rest_little_edc = rest[13];
+    let rest_little_interosseous = rest[14];
+    let rest_little_band = rest[15];
+    let rest_thumb_fpl = rest[16];
+    let rest_thumb_epl = rest[17];
+    let rest_thumb_epb = rest[18];
+    let rest_thumb_apl = rest[19];
+    let rest_thumb_apb = rest[20];
+    let rest_thumb_opp = rest[21];
+    let rest_thumb_adp = rest[22];
+    let c_0 = L::load(&constants[0 * L::WIDTH..]);
+    let c_1 = L::load(&constants[1 * L::WIDTH..]);
+    let c_2 = L::load(&constants[2 * L::WIDTH..]);
+    let c_3 = L::load(&constants[3 * L::WIDTH..]);
+    let c_4 = L::load(&constants[4 * L::WIDTH..]);
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
     let index_ab_1 = mul_sub(
@@ -2358,9 +2618,13 @@ fn evaluate_with_matrix_part_1(
         cos_index_dip,
         sin_index_pip * sin_index_dip,
     );
-    let index_ab_2 = mul_add(0.0224, cos_index_pip, 0.039799999999999995);
-    let index_ab_3 = mul_add(0.0079, index_ab_1, index_ab_2);
-    let index_ab_4 = 0.0026754431356501404 * index_ab_3;
+    let index_ab_2 = mul_add(
+        L::splat(0.0224),
+        cos_index_pip,
+        L::splat(0.039799999999999995),
+    );
+    let index_ab_3 = mul_add(L::splat(0.0079), index_ab_1, index_ab_2);
+    let index_ab_4 = L::splat(0.0026754431356501404) * index_ab_3;
     let index_ab_5 = mul_add(
         sin_index_pip,
         cos_index_dip,
@@ -2368,60 +2632,64 @@ fn evaluate_with_matrix_part_1(
     );
     let index_ab_6 = neg_mul_add(
         index_ab_5,
-        2.2883956953594213e-8 * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, 8.843231377702265e-8),
+        L::splat(2.2883956953594213e-8) * index_ab_5,
+        mul_add(index_ab_3, index_ab_4, L::splat(8.843231377702265e-8)),
     );
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
     let index_ab_7 = v_index_ab * cos_index_mcp;
-    let index_ab_8 = 0.0224 * sin_index_pip;
-    let index_ab_9 = mul_add(0.0079, index_ab_5, index_ab_8);
-    let index_ab_10 = 2.2883956953594213e-8 * index_ab_1;
+    let index_ab_8 = L::splat(0.0224) * sin_index_pip;
+    let index_ab_9 = mul_add(L::splat(0.0079), index_ab_5, index_ab_8);
+    let index_ab_10 = L::splat(2.2883956953594213e-8) * index_ab_1;
     let index_ab_11 = mul_add(index_ab_9, index_ab_4, index_ab_5 * index_ab_10);
     let index_ab_12 = v_index_ab * sin_index_mcp;
     let index_ab_13 = index_ab_12 * index_ab_11;
     let index_ab_14 = mul_sub(index_ab_7, index_ab_6, index_ab_13);
-    let index_ab_15 = mul_add(0.0112, cos_index_pip, 0.039799999999999995);
-    let index_ab_16 = 0.0049541659510049605 * index_ab_15;
+    let index_ab_15 = mul_add(
+        L::splat(0.0112),
+        cos_index_pip,
+        L::splat(0.039799999999999995),
+    );
+    let index_ab_16 = L::splat(0.0049541659510049605) * index_ab_15;
     let index_ab_17 = neg_mul_add(
         sin_index_pip,
-        1.2788353708194133e-7 * sin_index_pip,
-        mul_add(index_ab_15, index_ab_16, 2.8641684751410007e-7),
+        L::splat(1.2788353708194133e-7) * sin_index_pip,
+        mul_add(index_ab_15, index_ab_16, L::splat(2.8641684751410007e-7)),
     );
-    let index_ab_18 = 0.0112 * sin_index_pip;
-    let index_ab_19 = 1.2788353708194133e-7 * cos_index_pip;
+    let index_ab_18 = L::splat(0.0112) * sin_index_pip;
+    let index_ab_19 = L::splat(1.2788353708194133e-7) * cos_index_pip;
     let index_ab_20 = mul_add(index_ab_18, index_ab_16, sin_index_pip * index_ab_19);
     let index_ab_21 = neg_mul_add(index_ab_12, index_ab_20, index_ab_7 * index_ab_17)
         + index_ab_14;
-    let index_ab_22 = mul_add(6.108011569195822e-6, index_ab_7, index_ab_21);
-    let index_ab_23 = 0.0026754431356501404 * index_ab_9;
+    let index_ab_22 = mul_add(L::splat(6.108011569195822e-6), index_ab_7, index_ab_21);
+    let index_ab_23 = L::splat(0.0026754431356501404) * index_ab_9;
     let index_ab_24 = index_ab_9 * index_ab_23;
     let index_ab_25 = neg_mul_add(
         index_ab_1,
         index_ab_10,
-        8.843231377702265e-8 + index_ab_24,
+        L::splat(8.843231377702265e-8) + index_ab_24,
     );
     let index_ab_26 = index_ab_7 * index_ab_11;
     let index_ab_27 = neg_mul_add(index_ab_12, index_ab_25, index_ab_26);
-    let index_ab_28 = 5.5486658651255556e-5 * sin_index_pip;
+    let index_ab_28 = L::splat(5.5486658651255556e-5) * sin_index_pip;
     let index_ab_29 = index_ab_18 * index_ab_28;
     let index_ab_30 = neg_mul_add(
         cos_index_pip,
         index_ab_19,
-        2.8641684751410007e-7 + index_ab_29,
+        L::splat(2.8641684751410007e-7) + index_ab_29,
     );
     let index_ab_31 = neg_mul_add(index_ab_12, index_ab_30, index_ab_7 * index_ab_20)
         + index_ab_27;
-    let index_ab_32 = neg_mul_add(4.511964479704354e-7, index_ab_12, index_ab_31);
-    momentum[coordinate::INDEX_AB] = neg_mul_add(
-        sin_index_mcp,
-        index_ab_32,
-        cos_index_mcp * index_ab_22,
+    let index_ab_32 = neg_mul_add(
+        L::splat(4.511964479704354e-7),
+        index_ab_12,
+        index_ab_31,
     );
-    let index_mcp_1 = 8.843231377702265e-8
+    momentum[0] = neg_mul_add(sin_index_mcp, index_ab_32, cos_index_mcp * index_ab_22);
+    let index_mcp_1 = L::splat(8.843231377702265e-8)
         + mul_add(index_ab_3, index_ab_4, index_ab_24);
     let index_mcp_2 = v_index_mcp + v_index_pip;
     let index_mcp_3 = v_index_dip + index_mcp_2;
-    let index_mcp_4 = 0.039799999999999995 * v_index_pip;
+    let index_mcp_4 = L::splat(0.039799999999999995) * v_index_pip;
     let index_mcp_5 = mul_add(v_index_dip, index_ab_2, index_mcp_4);
     let index_mcp_6 = v_index_dip * index_ab_8;
     let index_mcp_7 = mul_sub(
@@ -2429,36 +2697,28 @@ fn evaluate_with_matrix_part_1(
         index_mcp_1,
         mul_add(index_mcp_6, index_ab_23, index_mcp_5 * index_ab_4),
     );
-    let index_mcp_8 = 2.8641684751410007e-7
+    let index_mcp_8 = L::splat(2.8641684751410007e-7)
         + mul_add(index_ab_15, index_ab_16, index_ab_29);
     let index_mcp_9 = mul_sub(index_mcp_2, index_mcp_8, index_mcp_4 * index_ab_16)
         + index_mcp_7;
-    momentum[coordinate::INDEX_MCP] = mul_add(
-        6.108011569195822e-6,
-        v_index_mcp,
-        index_mcp_9,
-    );
+    momentum[1] = mul_add(L::splat(6.108011569195822e-6), v_index_mcp, index_mcp_9);
     let index_pip_1 = mul_sub(
-        0.0026754431356501404,
+        L::splat(0.0026754431356501404),
         index_mcp_5,
         index_mcp_3 * index_ab_4,
     );
     let index_pip_2 = mul_sub(
-        0.0001971758048499974,
+        L::splat(0.0001971758048499974),
         v_index_pip,
         index_mcp_2 * index_ab_16,
     ) + index_pip_1;
-    momentum[coordinate::INDEX_PIP] = mul_add(
-        0.039799999999999995,
-        index_pip_2,
-        index_mcp_9,
-    );
+    momentum[2] = mul_add(L::splat(0.039799999999999995), index_pip_2, index_mcp_9);
     let index_dip_1 = mul_sub(
-        0.0026754431356501404,
+        L::splat(0.0026754431356501404),
         index_mcp_6,
         index_mcp_3 * index_ab_23,
     );
-    momentum[coordinate::INDEX_DIP] = index_mcp_7
+    momentum[3] = index_mcp_7
         + mul_add(index_ab_8, index_dip_1, index_ab_2 * index_pip_1);
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
@@ -2467,9 +2727,9 @@ fn evaluate_with_matrix_part_1(
         cos_middle_dip,
         sin_middle_pip * sin_middle_dip,
     );
-    let middle_ab_2 = mul_add(0.0263, cos_middle_pip, 0.0446);
-    let middle_ab_3 = mul_add(0.0087, middle_ab_1, middle_ab_2);
-    let middle_ab_4 = 0.0029463740860957233 * middle_ab_3;
+    let middle_ab_2 = mul_add(L::splat(0.0263), cos_middle_pip, L::splat(0.0446));
+    let middle_ab_3 = mul_add(L::splat(0.0087), middle_ab_1, middle_ab_2);
+    let middle_ab_4 = L::splat(0.0029463740860957233) * middle_ab_3;
     let middle_ab_5 = mul_add(
         sin_middle_pip,
         cos_middle_dip,
@@ -2477,27 +2737,27 @@ fn evaluate_with_matrix_part_1(
     );
     let middle_ab_6 = neg_mul_add(
         middle_ab_5,
-        3.8243935637522495e-8 * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, 1.1043010074686771e-7),
+        L::splat(3.8243935637522495e-8) * middle_ab_5,
+        mul_add(middle_ab_3, middle_ab_4, L::splat(1.1043010074686771e-7)),
     );
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let middle_ab_7 = v_middle_ab * cos_middle_mcp;
-    let middle_ab_8 = 0.0263 * sin_middle_pip;
-    let middle_ab_9 = mul_add(0.0087, middle_ab_5, middle_ab_8);
-    let middle_ab_10 = 3.8243935637522495e-8 * middle_ab_1;
+    let middle_ab_8 = L::splat(0.0263) * sin_middle_pip;
+    let middle_ab_9 = mul_add(L::splat(0.0087), middle_ab_5, middle_ab_8);
+    let middle_ab_10 = L::splat(3.8243935637522495e-8) * middle_ab_1;
     let middle_ab_11 = mul_add(middle_ab_9, middle_ab_4, middle_ab_5 * middle_ab_10);
     let middle_ab_12 = v_middle_ab * sin_middle_mcp;
     let middle_ab_13 = middle_ab_12 * middle_ab_11;
     let middle_ab_14 = mul_sub(middle_ab_7, middle_ab_6, middle_ab_13);
-    let middle_ab_15 = mul_add(0.01315, cos_middle_pip, 0.0446);
-    let middle_ab_16 = 0.005816721629974574 * middle_ab_15;
+    let middle_ab_15 = mul_add(L::splat(0.01315), cos_middle_pip, L::splat(0.0446));
+    let middle_ab_16 = L::splat(0.005816721629974574) * middle_ab_15;
     let middle_ab_17 = neg_mul_add(
         sin_middle_pip,
-        2.422131359401662e-7 * sin_middle_pip,
-        mul_add(middle_ab_15, middle_ab_16, 4.283482280993526e-7),
+        L::splat(2.422131359401662e-7) * sin_middle_pip,
+        mul_add(middle_ab_15, middle_ab_16, L::splat(4.283482280993526e-7)),
     );
-    let middle_ab_18 = 0.01315 * sin_middle_pip;
-    let middle_ab_19 = 2.422131359401662e-7 * cos_middle_pip;
+    let middle_ab_18 = L::splat(0.01315) * sin_middle_pip;
+    let middle_ab_19 = L::splat(2.422131359401662e-7) * cos_middle_pip;
     let middle_ab_20 = mul_add(
         middle_ab_18,
         middle_ab_16,
@@ -2508,39 +2768,47 @@ fn evaluate_with_matrix_part_1(
         middle_ab_20,
         middle_ab_7 * middle_ab_17,
     ) + middle_ab_14;
-    let middle_ab_22 = mul_add(8.530529217154657e-6, middle_ab_7, middle_ab_21);
-    let middle_ab_23 = 0.0029463740860957233 * middle_ab_9;
+    let middle_ab_22 = mul_add(
+        L::splat(8.530529217154657e-6),
+        middle_ab_7,
+        middle_ab_21,
+    );
+    let middle_ab_23 = L::splat(0.0029463740860957233) * middle_ab_9;
     let middle_ab_24 = middle_ab_9 * middle_ab_23;
     let middle_ab_25 = neg_mul_add(
         middle_ab_1,
         middle_ab_10,
-        1.1043010074686771e-7 + middle_ab_24,
+        L::splat(1.1043010074686771e-7) + middle_ab_24,
     );
     let middle_ab_26 = middle_ab_7 * middle_ab_11;
     let middle_ab_27 = neg_mul_add(middle_ab_12, middle_ab_25, middle_ab_26);
-    let middle_ab_28 = 7.648988943416565e-5 * sin_middle_pip;
+    let middle_ab_28 = L::splat(7.648988943416565e-5) * sin_middle_pip;
     let middle_ab_29 = middle_ab_18 * middle_ab_28;
     let middle_ab_30 = neg_mul_add(
         cos_middle_pip,
         middle_ab_19,
-        4.283482280993526e-7 + middle_ab_29,
+        L::splat(4.283482280993526e-7) + middle_ab_29,
     );
     let middle_ab_31 = neg_mul_add(
         middle_ab_12,
         middle_ab_30,
         middle_ab_7 * middle_ab_20,
     ) + middle_ab_27;
-    let middle_ab_32 = neg_mul_add(5.056120999869704e-7, middle_ab_12, middle_ab_31);
-    momentum[coordinate::MIDDLE_AB] = neg_mul_add(
+    let middle_ab_32 = neg_mul_add(
+        L::splat(5.056120999869704e-7),
+        middle_ab_12,
+        middle_ab_31,
+    );
+    momentum[4] = neg_mul_add(
         sin_middle_mcp,
         middle_ab_32,
         cos_middle_mcp * middle_ab_22,
     );
-    let middle_mcp_1 = 1.1043010074686771e-7
+    let middle_mcp_1 = L::splat(1.1043010074686771e-7)
         + mul_add(middle_ab_3, middle_ab_4, middle_ab_24);
     let middle_mcp_2 = v_middle_mcp + v_middle_pip;
     let middle_mcp_3 = v_middle_dip + middle_mcp_2;
-    let middle_mcp_4 = 0.0446 * v_middle_pip;
+    let middle_mcp_4 = L::splat(0.0446) * v_middle_pip;
     let middle_mcp_5 = mul_add(v_middle_dip, middle_ab_2, middle_mcp_4);
     let middle_mcp_6 = v_middle_dip * middle_ab_8;
     let middle_mcp_7 = mul_sub(
@@ -2548,95 +2816,92 @@ fn evaluate_with_matrix_part_1(
         middle_mcp_1,
         mul_add(middle_mcp_6, middle_ab_23, middle_mcp_5 * middle_ab_4),
     );
-    let middle_mcp_8 = 4.283482280993526e-7
+    let middle_mcp_8 = L::splat(4.283482280993526e-7)
         + mul_add(middle_ab_15, middle_ab_16, middle_ab_29);
     let middle_mcp_9 = mul_sub(middle_mcp_2, middle_mcp_8, middle_mcp_4 * middle_ab_16)
         + middle_mcp_7;
-    momentum[coordinate::MIDDLE_MCP] = mul_add(
-        8.530529217154657e-6,
-        v_middle_mcp,
-        middle_mcp_9,
-    );
+    momentum[5] = mul_add(L::splat(8.530529217154657e-6), v_middle_mcp, middle_mcp_9);
     let middle_pip_1 = mul_sub(
-        0.0029463740860957233,
+        L::splat(0.0029463740860957233),
         middle_mcp_5,
         middle_mcp_3 * middle_ab_4,
     );
     let middle_pip_2 = mul_sub(
-        0.000259425784696866,
+        L::splat(0.000259425784696866),
         v_middle_pip,
         middle_mcp_2 * middle_ab_16,
     ) + middle_pip_1;
-    momentum[coordinate::MIDDLE_PIP] = mul_add(0.0446, middle_pip_2, middle_mcp_9);
+    momentum[6] = mul_add(L::splat(0.0446), middle_pip_2, middle_mcp_9);
     let middle_dip_1 = mul_sub(
-        0.0029463740860957233,
+        L::splat(0.0029463740860957233),
         middle_mcp_6,
         middle_mcp_3 * middle_ab_23,
     );
-    momentum[coordinate::MIDDLE_DIP] = middle_mcp_7
+    momentum[7] = middle_mcp_7
         + mul_add(middle_ab_8, middle_dip_1, middle_ab_2 * middle_pip_1);
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
     let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(0.0257, cos_ring_pip, 0.0414);
-    let ring_ab_3 = mul_add(0.00865, ring_ab_1, ring_ab_2);
-    let ring_ab_4 = 0.0029294409016928746 * ring_ab_3;
+    let ring_ab_2 = mul_add(L::splat(0.0257), cos_ring_pip, L::splat(0.0414));
+    let ring_ab_3 = mul_add(L::splat(0.00865), ring_ab_1, ring_ab_2);
+    let ring_ab_4 = L::splat(0.0029294409016928746) * ring_ab_3;
     let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
     let ring_ab_6 = neg_mul_add(
         ring_ab_5,
-        3.717704624323398e-8 * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, 1.089483483347094e-7),
+        L::splat(3.717704624323398e-8) * ring_ab_5,
+        mul_add(ring_ab_3, ring_ab_4, L::splat(1.089483483347094e-7)),
     );
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let ring_ab_7 = v_ring_ab * cos_ring_mcp;
-    let ring_ab_8 = 0.0257 * sin_ring_pip;
-    let ring_ab_9 = mul_add(0.00865, ring_ab_5, ring_ab_8);
-    let ring_ab_10 = 3.717704624323398e-8 * ring_ab_1;
+    let ring_ab_8 = L::splat(0.0257) * sin_ring_pip;
+    let ring_ab_9 = mul_add(L::splat(0.00865), ring_ab_5, ring_ab_8);
+    let ring_ab_10 = L::splat(3.717704624323398e-8) * ring_ab_1;
     let ring_ab_11 = mul_add(ring_ab_9, ring_ab_4, ring_ab_5 * ring_ab_10);
     let ring_ab_12 = v_ring_ab * sin_ring_mcp;
     let ring_ab_13 = ring_ab_12 * ring_ab_11;
     let ring_ab_14 = mul_sub(ring_ab_7, ring_ab_6, ring_ab_13);
-    let ring_ab_15 = mul_add(0.01285, cos_ring_pip, 0.0414);
-    let ring_ab_16 = 0.005684020756286941 * ring_ab_15;
+    let ring_ab_15 = mul_add(L::splat(0.01285), cos_ring_pip, L::splat(0.0414));
+    let ring_ab_16 = L::splat(0.005684020756286941) * ring_ab_15;
     let ring_ab_17 = neg_mul_add(
         sin_ring_pip,
-        2.2190890700940578e-7 * sin_ring_pip,
-        mul_add(ring_ab_15, ring_ab_16, 4.037975712105879e-7),
+        L::splat(2.2190890700940578e-7) * sin_ring_pip,
+        mul_add(ring_ab_15, ring_ab_16, L::splat(4.037975712105879e-7)),
     );
-    let ring_ab_18 = 0.01285 * sin_ring_pip;
-    let ring_ab_19 = 2.2190890700940578e-7 * cos_ring_pip;
+    let ring_ab_18 = L::splat(0.01285) * sin_ring_pip;
+    let ring_ab_19 = L::splat(2.2190890700940578e-7) * cos_ring_pip;
     let ring_ab_20 = mul_add(ring_ab_18, ring_ab_16, sin_ring_pip * ring_ab_19);
     let ring_ab_21 = neg_mul_add(ring_ab_12, ring_ab_20, ring_ab_7 * ring_ab_17)
         + ring_ab_14;
-    let ring_ab_22 = mul_add(6.855419880173114e-6, ring_ab_7, ring_ab_21);
-    let ring_ab_23 = 0.0029294409016928746 * ring_ab_9;
+    let ring_ab_22 = mul_add(L::splat(6.855419880173114e-6), ring_ab_7, ring_ab_21);
+    let ring_ab_23 = L::splat(0.0029294409016928746) * ring_ab_9;
     let ring_ab_24 = ring_ab_9 * ring_ab_23;
     let ring_ab_25 = neg_mul_add(
         ring_ab_1,
         ring_ab_10,
-        1.089483483347094e-7 + ring_ab_24,
+        L::splat(1.089483483347094e-7) + ring_ab_24,
     );
     let ring_ab_26 = ring_ab_7 * ring_ab_11;
     let ring_ab_27 = neg_mul_add(ring_ab_12, ring_ab_25, ring_ab_26);
-    let ring_ab_28 = 7.303966671828719e-5 * sin_ring_pip;
+    let ring_ab_28 = L::splat(7.303966671828719e-5) * sin_ring_pip;
     let ring_ab_29 = ring_ab_18 * ring_ab_28;
     let ring_ab_30 = neg_mul_add(
         cos_ring_pip,
         ring_ab_19,
-        4.037975712105879e-7 + ring_ab_29,
+        L::splat(4.037975712105879e-7) + ring_ab_29,
     );
     let ring_ab_31 = neg_mul_add(ring_ab_12, ring_ab_30, ring_ab_7 * ring_ab_20)
         + ring_ab_27;
-    let ring_ab_32 = neg_mul_add(4.6933499864261383e-7, ring_ab_12, ring_ab_31);
-    momentum[coordinate::RING_AB] = neg_mul_add(
-        sin_ring_mcp,
-        ring_ab_32,
-        cos_ring_mcp * ring_ab_22,
+    let ring_ab_32 = neg_mul_add(
+        L::splat(4.6933499864261383e-7),
+        ring_ab_12,
+        ring_ab_31,
     );
-    let ring_mcp_1 = 1.089483483347094e-7 + mul_add(ring_ab_3, ring_ab_4, ring_ab_24);
+    momentum[8] = neg_mul_add(sin_ring_mcp, ring_ab_32, cos_ring_mcp * ring_ab_22);
+    let ring_mcp_1 = L::splat(1.089483483347094e-7)
+        + mul_add(ring_ab_3, ring_ab_4, ring_ab_24);
     let ring_mcp_2 = v_ring_mcp + v_ring_pip;
     let ring_mcp_3 = v_ring_dip + ring_mcp_2;
-    let ring_mcp_4 = 0.0414 * v_ring_pip;
+    let ring_mcp_4 = L::splat(0.0414) * v_ring_pip;
     let ring_mcp_5 = mul_add(v_ring_dip, ring_ab_2, ring_mcp_4);
     let ring_mcp_6 = v_ring_dip * ring_ab_8;
     let ring_mcp_7 = mul_sub(
@@ -2644,21 +2909,28 @@ fn evaluate_with_matrix_part_1(
         ring_mcp_1,
         mul_add(ring_mcp_6, ring_ab_23, ring_mcp_5 * ring_ab_4),
     );
-    let ring_mcp_8 = 4.037975712105879e-7 + mul_add(ring_ab_15, ring_ab_16, ring_ab_29);
+    let ring_mcp_8 = L::splat(4.037975712105879e-7)
+        + mul_add(ring_ab_15, ring_ab_16, ring_ab_29);
     let ring_mcp_9 = mul_sub(ring_mcp_2, ring_mcp_8, ring_mcp_4 * ring_ab_16)
         + ring_mcp_7;
-    momentum[coordinate::RING_MCP] = mul_add(
-        6.855419880173114e-6,
-        v_ring_mcp,
-        ring_mcp_9,
+    momentum[9] = mul_add(L::splat(6.855419880173114e-6), v_ring_mcp, ring_mcp_9);
+    let ring_pip_1 = mul_sub(
+        L::splat(0.0029294409016928746),
+        ring_mcp_5,
+        ring_mcp_3 * ring_ab_4,
     );
-    let ring_pip_1 = mul_sub(0.0029294409016928746, ring_mcp_5, ring_mcp_3 * ring_ab_4);
-    let ring_pip_2 = mul_sub(0.00023531845931027933, v_ring_pip, ring_mcp_2 * ring_ab_16)
-        + ring_pip_1;
-    momentum[coordinate::RING_PIP] = mul_add(0.0414, ring_pip_2, ring_mcp_9);
-    let ring_dip_1 = mul_sub(0.0029294409016928746, ring_mcp_6, ring_mcp_3 * ring_ab_23);
-    momentum[coordinate::RING_DIP] = ring_mcp_7
-        + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
+    let ring_pip_2 = mul_sub(
+        L::splat(0.00023531845931027933),
+        v_ring_pip,
+        ring_mcp_2 * ring_ab_16,
+    ) + ring_pip_1;
+    momentum[10] = mul_add(L::splat(0.0414), ring_pip_2, ring_mcp_9);
+    let ring_dip_1 = mul_sub(
+        L::splat(0.0029294409016928746),
+        ring_mcp_6,
+        ring_mcp_3 * ring_ab_23,
+    );
+    momentum[11] = ring_mcp_7 + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
     let little_ab_1 = mul_sub(
@@ -2666,9 +2938,9 @@ fn evaluate_with_matrix_part_1(
         cos_little_dip,
         sin_little_pip * sin_little_dip,
     );
-    let little_ab_2 = mul_add(0.0181, cos_little_pip, 0.0327);
-    let little_ab_3 = mul_add(0.008, little_ab_1, little_ab_2);
-    let little_ab_4 = 0.002709309504455838 * little_ab_3;
+    let little_ab_2 = mul_add(L::splat(0.0181), cos_little_pip, L::splat(0.0327));
+    let little_ab_3 = mul_add(L::splat(0.008), little_ab_1, little_ab_2);
+    let little_ab_4 = L::splat(0.002709309504455838) * little_ab_3;
     let little_ab_5 = mul_add(
         sin_little_pip,
         cos_little_dip,
@@ -2676,27 +2948,27 @@ fn evaluate_with_matrix_part_1(
     );
     let little_ab_6 = neg_mul_add(
         little_ab_5,
-        2.4609561332140534e-8 * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, 9.098764419130856e-8),
+        L::splat(2.4609561332140534e-8) * little_ab_5,
+        mul_add(little_ab_3, little_ab_4, L::splat(9.098764419130856e-8)),
     );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
     let little_ab_7 = v_little_ab * cos_little_mcp;
-    let little_ab_8 = 0.0181 * sin_little_pip;
-    let little_ab_9 = mul_add(0.008, little_ab_5, little_ab_8);
-    let little_ab_10 = 2.4609561332140534e-8 * little_ab_1;
+    let little_ab_8 = L::splat(0.0181) * sin_little_pip;
+    let little_ab_9 = mul_add(L::splat(0.008), little_ab_5, little_ab_8);
+    let little_ab_10 = L::splat(2.4609561332140534e-8) * little_ab_1;
     let little_ab_11 = mul_add(little_ab_9, little_ab_4, little_ab_5 * little_ab_10);
     let little_ab_12 = v_little_ab * sin_little_mcp;
     let little_ab_13 = little_ab_12 * little_ab_11;
     let little_ab_14 = mul_sub(little_ab_7, little_ab_6, little_ab_13);
-    let little_ab_15 = mul_add(0.00905, cos_little_pip, 0.0327);
-    let little_ab_16 = 0.004003143022910258 * little_ab_15;
+    let little_ab_15 = mul_add(L::splat(0.00905), cos_little_pip, L::splat(0.0327));
+    let little_ab_16 = L::splat(0.004003143022910258) * little_ab_15;
     let little_ab_17 = neg_mul_add(
         sin_little_pip,
-        4.523885211140502e-8 * sin_little_pip,
-        mul_add(little_ab_15, little_ab_16, 1.7333942884453325e-7),
+        L::splat(4.523885211140502e-8) * sin_little_pip,
+        mul_add(little_ab_15, little_ab_16, L::splat(1.7333942884453325e-7)),
     );
-    let little_ab_18 = 0.00905 * sin_little_pip;
-    let little_ab_19 = 4.523885211140502e-8 * cos_little_pip;
+    let little_ab_18 = L::splat(0.00905) * sin_little_pip;
+    let little_ab_19 = L::splat(4.523885211140502e-8) * cos_little_pip;
     let little_ab_20 = mul_add(
         little_ab_18,
         little_ab_16,
@@ -2707,39 +2979,47 @@ fn evaluate_with_matrix_part_1(
         little_ab_20,
         little_ab_7 * little_ab_17,
     ) + little_ab_14;
-    let little_ab_22 = mul_add(3.4478462505758233e-6, little_ab_7, little_ab_21);
-    let little_ab_23 = 0.002709309504455838 * little_ab_9;
+    let little_ab_22 = mul_add(
+        L::splat(3.4478462505758233e-6),
+        little_ab_7,
+        little_ab_21,
+    );
+    let little_ab_23 = L::splat(0.002709309504455838) * little_ab_9;
     let little_ab_24 = little_ab_9 * little_ab_23;
     let little_ab_25 = neg_mul_add(
         little_ab_1,
         little_ab_10,
-        9.098764419130856e-8 + little_ab_24,
+        L::splat(9.098764419130856e-8) + little_ab_24,
     );
     let little_ab_26 = little_ab_7 * little_ab_11;
     let little_ab_27 = neg_mul_add(little_ab_12, little_ab_25, little_ab_26);
-    let little_ab_28 = 3.622844435733784e-5 * sin_little_pip;
+    let little_ab_28 = L::splat(3.622844435733784e-5) * sin_little_pip;
     let little_ab_29 = little_ab_18 * little_ab_28;
     let little_ab_30 = neg_mul_add(
         cos_little_pip,
         little_ab_19,
-        1.7333942884453325e-7 + little_ab_29,
+        L::splat(1.7333942884453325e-7) + little_ab_29,
     );
     let little_ab_31 = neg_mul_add(
         little_ab_12,
         little_ab_30,
         little_ab_7 * little_ab_20,
     ) + little_ab_27;
-    let little_ab_32 = neg_mul_add(3.7070662936264426e-7, little_ab_12, little_ab_31);
-    momentum[coordinate::LITTLE_AB] = neg_mul_add(
+    let little_ab_32 = neg_mul_add(
+        L::splat(3.7070662936264426e-7),
+        little_ab_12,
+        little_ab_31,
+    );
+    momentum[12] = neg_mul_add(
         sin_little_mcp,
         little_ab_32,
         cos_little_mcp * little_ab_22,
     );
-    let little_mcp_1 = 9.098764419130856e-8
+    let little_mcp_1 = L::splat(9.098764419130856e-8)
         + mul_add(little_ab_3, little_ab_4, little_ab_24);
     let little_mcp_2 = v_little_mcp + v_little_pip;
     let little_mcp_3 = v_little_dip + little_mcp_2;
-    let little_mcp_4 = 0.0327 * v_little_pip;
+    let little_mcp_4 = L::splat(0.0327) * v_little_pip;
     let little_mcp_5 = mul_add(v_little_dip, little_ab_2, little_mcp_4);
     let little_mcp_6 = v_little_dip * little_ab_8;
     let little_mcp_7 = mul_sub(
@@ -2747,103 +3027,107 @@ fn evaluate_with_matrix_part_1(
         little_mcp_1,
         mul_add(little_mcp_6, little_ab_23, little_mcp_5 * little_ab_4),
     );
-    let little_mcp_8 = 1.7333942884453325e-7
+    let little_mcp_8 = L::splat(1.7333942884453325e-7)
         + mul_add(little_ab_15, little_ab_16, little_ab_29);
     let little_mcp_9 = mul_sub(little_mcp_2, little_mcp_8, little_mcp_4 * little_ab_16)
         + little_mcp_7;
-    momentum[coordinate::LITTLE_MCP] = mul_add(
-        3.4478462505758233e-6,
-        v_little_mcp,
-        little_mcp_9,
-    );
+    momentum[13] = mul_add(L::splat(3.4478462505758233e-6), v_little_mcp, little_mcp_9);
     let little_pip_1 = mul_sub(
-        0.002709309504455838,
+        L::splat(0.002709309504455838),
         little_mcp_5,
         little_mcp_3 * little_ab_4,
     );
     let little_pip_2 = mul_sub(
-        0.00013090277684916541,
+        L::splat(0.00013090277684916541),
         v_little_pip,
         little_mcp_2 * little_ab_16,
     ) + little_pip_1;
-    momentum[coordinate::LITTLE_PIP] = mul_add(0.0327, little_pip_2, little_mcp_9);
+    momentum[14] = mul_add(L::splat(0.0327), little_pip_2, little_mcp_9);
     let little_dip_1 = mul_sub(
-        0.002709309504455838,
+        L::splat(0.002709309504455838),
         little_mcp_6,
         little_mcp_3 * little_ab_23,
     );
-    momentum[coordinate::LITTLE_DIP] = little_mcp_7
+    momentum[15] = little_mcp_7
         + mul_add(little_ab_8, little_dip_1, little_ab_2 * little_pip_1);
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let thumb_ab_1 = mul_sub(cos_thumb_mcp, cos_thumb_ip, sin_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_2 = mul_add(0.0316, cos_thumb_mcp, 0.046200000000000005);
-    work[44] = thumb_ab_2;
-    let thumb_ab_3 = mul_add(0.01085, thumb_ab_1, thumb_ab_2);
-    let thumb_ab_4 = 0.006074175147936257 * thumb_ab_3;
-    work[45] = thumb_ab_4;
+    let thumb_ab_2 = mul_add(
+        L::splat(0.0316),
+        cos_thumb_mcp,
+        L::splat(0.046200000000000005),
+    );
+    work[29] = thumb_ab_2;
+    let thumb_ab_3 = mul_add(L::splat(0.01085), thumb_ab_1, thumb_ab_2);
+    let thumb_ab_4 = L::splat(0.006074175147936257) * thumb_ab_3;
+    work[30] = thumb_ab_4;
     let thumb_ab_5 = mul_add(sin_thumb_mcp, cos_thumb_ip, cos_thumb_mcp * sin_thumb_ip);
     let thumb_ab_6 = neg_mul_add(
         thumb_ab_5,
-        1.1535364787193289e-7 * thumb_ab_5,
-        mul_add(thumb_ab_3, thumb_ab_4, 3.6135774136335126e-7),
+        L::splat(1.1535364787193289e-7) * thumb_ab_5,
+        mul_add(thumb_ab_3, thumb_ab_4, L::splat(3.6135774136335126e-7)),
     );
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_ab_7 = v_thumb_ab * cos_thumb_cmc;
-    work[17] = thumb_ab_7;
-    let thumb_ab_8 = 0.0316 * sin_thumb_mcp;
-    work[42] = thumb_ab_8;
-    let thumb_ab_9 = mul_add(0.01085, thumb_ab_5, thumb_ab_8);
-    let thumb_ab_10 = 1.1535364787193289e-7 * thumb_ab_1;
+    work[0] = thumb_ab_7;
+    let thumb_ab_8 = L::splat(0.0316) * sin_thumb_mcp;
+    work[27] = thumb_ab_8;
+    let thumb_ab_9 = mul_add(L::splat(0.01085), thumb_ab_5, thumb_ab_8);
+    let thumb_ab_10 = L::splat(1.1535364787193289e-7) * thumb_ab_1;
     let thumb_ab_11 = mul_add(thumb_ab_9, thumb_ab_4, thumb_ab_5 * thumb_ab_10);
     let thumb_ab_12 = v_thumb_ab * sin_thumb_cmc;
-    work[20] = thumb_ab_12;
+    work[3] = thumb_ab_12;
     let thumb_ab_13 = thumb_ab_12 * thumb_ab_11;
     let thumb_ab_14 = mul_sub(thumb_ab_7, thumb_ab_6, thumb_ab_13);
-    let thumb_ab_15 = mul_add(0.0158, cos_thumb_mcp, 0.046200000000000005);
-    let thumb_ab_16 = 0.010920176063878123 * thumb_ab_15;
+    let thumb_ab_15 = mul_add(
+        L::splat(0.0158),
+        cos_thumb_mcp,
+        L::splat(0.046200000000000005),
+    );
+    let thumb_ab_16 = L::splat(0.010920176063878123) * thumb_ab_15;
     let thumb_ab_17 = neg_mul_add(
         sin_thumb_mcp,
-        6.356998492652254e-7 * sin_thumb_mcp,
-        mul_add(thumb_ab_15, thumb_ab_16, 1.1817086524591316e-6),
+        L::splat(6.356998492652254e-7) * sin_thumb_mcp,
+        mul_add(thumb_ab_15, thumb_ab_16, L::splat(1.1817086524591316e-6)),
     );
-    let thumb_ab_18 = 0.0158 * sin_thumb_mcp;
-    let thumb_ab_19 = 6.356998492652254e-7 * cos_thumb_mcp;
+    let thumb_ab_18 = L::splat(0.0158) * sin_thumb_mcp;
+    let thumb_ab_19 = L::splat(6.356998492652254e-7) * cos_thumb_mcp;
     let thumb_ab_20 = mul_add(thumb_ab_18, thumb_ab_16, sin_thumb_mcp * thumb_ab_19);
     let thumb_ab_21 = neg_mul_add(thumb_ab_12, thumb_ab_20, thumb_ab_7 * thumb_ab_17)
         + thumb_ab_14;
-    let thumb_ab_22 = mul_add(1.4328995574980243e-5, thumb_ab_7, thumb_ab_21);
-    let thumb_ab_23 = 0.006074175147936257 * thumb_ab_9;
-    work[43] = thumb_ab_23;
+    let thumb_ab_22 = mul_add(L::splat(1.4328995574980243e-5), thumb_ab_7, thumb_ab_21);
+    let thumb_ab_23 = L::splat(0.006074175147936257) * thumb_ab_9;
+    work[28] = thumb_ab_23;
     let thumb_ab_24 = thumb_ab_9 * thumb_ab_23;
     let thumb_ab_25 = neg_mul_add(
         thumb_ab_1,
         thumb_ab_10,
-        3.6135774136335126e-7 + thumb_ab_24,
+        L::splat(3.6135774136335126e-7) + thumb_ab_24,
     );
     let thumb_ab_26 = thumb_ab_7 * thumb_ab_11;
     let thumb_ab_27 = neg_mul_add(thumb_ab_12, thumb_ab_25, thumb_ab_26);
-    let thumb_ab_28 = 0.00017253878180927438 * sin_thumb_mcp;
+    let thumb_ab_28 = L::splat(0.00017253878180927438) * sin_thumb_mcp;
     let thumb_ab_29 = thumb_ab_18 * thumb_ab_28;
     let thumb_ab_30 = neg_mul_add(
         cos_thumb_mcp,
         thumb_ab_19,
-        1.1817086524591316e-6 + thumb_ab_29,
+        L::splat(1.1817086524591316e-6) + thumb_ab_29,
     );
     let thumb_ab_31 = neg_mul_add(thumb_ab_12, thumb_ab_30, thumb_ab_7 * thumb_ab_20)
         + thumb_ab_27;
-    let thumb_ab_32 = neg_mul_add(1.1687598348270992e-6, thumb_ab_12, thumb_ab_31);
-    momentum[coordinate::THUMB_AB] = neg_mul_add(
-        sin_thumb_cmc,
-        thumb_ab_32,
-        cos_thumb_cmc * thumb_ab_22,
+    let thumb_ab_32 = neg_mul_add(
+        L::splat(1.1687598348270992e-6),
+        thumb_ab_12,
+        thumb_ab_31,
     );
-    let thumb_cmc_1 = 3.6135774136335126e-7
+    momentum[16] = neg_mul_add(sin_thumb_cmc, thumb_ab_32, cos_thumb_cmc * thumb_ab_22);
+    let thumb_cmc_1 = L::splat(3.6135774136335126e-7)
         + mul_add(thumb_ab_3, thumb_ab_4, thumb_ab_24);
-    work[41] = thumb_cmc_1;
+    work[26] = thumb_cmc_1;
     let thumb_cmc_2 = v_thumb_cmc + v_thumb_mcp;
     let thumb_cmc_3 = v_thumb_ip + thumb_cmc_2;
-    let thumb_cmc_4 = 0.046200000000000005 * v_thumb_mcp;
+    let thumb_cmc_4 = L::splat(0.046200000000000005) * v_thumb_mcp;
     let thumb_cmc_5 = mul_add(v_thumb_ip, thumb_ab_2, thumb_cmc_4);
     let thumb_cmc_6 = v_thumb_ip * thumb_ab_8;
     let thumb_cmc_7 = mul_sub(
@@ -2851,97 +3135,96 @@ fn evaluate_with_matrix_part_1(
         thumb_cmc_1,
         mul_add(thumb_cmc_6, thumb_ab_23, thumb_cmc_5 * thumb_ab_4),
     );
-    let thumb_cmc_8 = 1.1817086524591316e-6
+    let thumb_cmc_8 = L::splat(1.1817086524591316e-6)
         + mul_add(thumb_ab_15, thumb_ab_16, thumb_ab_29);
     let thumb_cmc_9 = mul_sub(thumb_cmc_2, thumb_cmc_8, thumb_cmc_4 * thumb_ab_16)
         + thumb_cmc_7;
-    momentum[coordinate::THUMB_CMC] = mul_add(
-        1.4328995574980243e-5,
-        v_thumb_cmc,
-        thumb_cmc_9,
-    );
+    momentum[17] = mul_add(L::splat(1.4328995574980243e-5), v_thumb_cmc, thumb_cmc_9);
     let thumb_mcp_1 = mul_sub(
-        0.006074175147936257,
+        L::splat(0.006074175147936257),
         thumb_cmc_5,
         thumb_cmc_3 * thumb_ab_4,
     );
-    work[52] = thumb_mcp_1;
+    work[37] = thumb_mcp_1;
     let thumb_mcp_2 = mul_sub(
-        0.0005045121341511694,
+        L::splat(0.0005045121341511694),
         v_thumb_mcp,
         thumb_cmc_2 * thumb_ab_16,
     ) + thumb_mcp_1;
-    work[62] = thumb_mcp_2;
-    momentum[coordinate::THUMB_MCP] = mul_add(
-        0.046200000000000005,
-        thumb_mcp_2,
-        thumb_cmc_9,
-    );
+    work[47] = thumb_mcp_2;
+    momentum[18] = mul_add(L::splat(0.046200000000000005), thumb_mcp_2, thumb_cmc_9);
     let thumb_ip_1 = mul_sub(
-        0.006074175147936257,
+        L::splat(0.006074175147936257),
         thumb_cmc_6,
         thumb_cmc_3 * thumb_ab_23,
     );
-    work[51] = thumb_ip_1;
-    momentum[coordinate::THUMB_IP] = thumb_cmc_7
+    work[36] = thumb_ip_1;
+    momentum[19] = thumb_cmc_7
         + mul_add(thumb_ab_8, thumb_ip_1, thumb_ab_2 * thumb_mcp_1);
-    let ball_tx_1 = 0.1 * v_ball_tx;
-    work[97] = ball_tx_1;
-    momentum[coordinate::BALL_TX] = ball_tx_1;
-    let ball_ty_1 = 0.1 * v_ball_ty;
-    work[92] = ball_ty_1;
-    momentum[coordinate::BALL_TY] = ball_ty_1;
-    let ball_tz_1 = 0.1 * v_ball_tz;
-    work[90] = ball_tz_1;
-    momentum[coordinate::BALL_TZ] = ball_tz_1;
+    let ball_tx_1 = L::splat(0.1) * v_ball_tx;
+    work[84] = ball_tx_1;
+    momentum[20] = ball_tx_1;
+    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
+    work[79] = ball_ty_1;
+    momentum[21] = ball_ty_1;
+    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
+    work[77] = ball_tz_1;
+    momentum[22] = ball_tz_1;
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    work[99] = sin_ball_ry;
-    let ball_rx_1 = 4.900000000000001e-5 * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
-    work[106] = ball_rx_1;
-    momentum[coordinate::BALL_RX] = ball_rx_1;
+    work[86] = sin_ball_ry;
+    let ball_rx_1 = L::splat(4.900000000000001e-5)
+        * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
+    work[93] = ball_rx_1;
+    momentum[23] = ball_rx_1;
     let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
-    work[91] = sin_ball_rx;
-    work[89] = cos_ball_rx;
+    work[78] = sin_ball_rx;
+    work[76] = cos_ball_rx;
     let ball_ry_1 = cos_ball_rx * cos_ball_ry;
-    work[95] = ball_ry_1;
+    work[82] = ball_ry_1;
     let ball_ry_2 = v_ball_ry * sin_ball_rx;
-    let ball_ry_3 = 4.900000000000001e-5 * mul_add(v_ball_rz, ball_ry_1, ball_ry_2);
-    work[102] = ball_ry_3;
+    let ball_ry_3 = L::splat(4.900000000000001e-5)
+        * mul_add(v_ball_rz, ball_ry_1, ball_ry_2);
+    work[89] = ball_ry_3;
     let ball_ry_4 = sin_ball_rx * cos_ball_ry;
-    work[94] = ball_ry_4;
+    work[81] = ball_ry_4;
     let ball_ry_5 = v_ball_ry * cos_ball_rx;
-    let ball_ry_6 = 4.900000000000001e-5 * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
-    work[103] = ball_ry_6;
-    momentum[coordinate::BALL_RY] = mul_add(
-        cos_ball_rx,
-        ball_ry_6,
-        sin_ball_rx * ball_ry_3,
-    );
-    momentum[coordinate::BALL_RZ] = mul_add(
+    let ball_ry_6 = L::splat(4.900000000000001e-5)
+        * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
+    work[90] = ball_ry_6;
+    momentum[24] = mul_add(cos_ball_rx, ball_ry_6, sin_ball_rx * ball_ry_3);
+    momentum[25] = mul_add(
         ball_ry_1,
         ball_ry_3,
         mul_sub(sin_ball_ry, ball_rx_1, ball_ry_4 * ball_ry_6),
     );
-    let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
+    let index_fdp_1 = mul_sub(
+        L::splat(0.012),
+        cos_index_mcp,
+        L::splat(0.01) * sin_index_mcp,
+    );
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
     let index_fdp_2 = mul_add(
-        0.012,
+        L::splat(0.012),
         cos_index_ab,
-        1.0842021724855044e-19 * sin_index_ab,
+        L::splat(1.0842021724855044e-19) * sin_index_ab,
     );
     let index_fdp_3 = index_fdp_2 + index_fdp_1;
     let index_fdp_4 = neg_mul_add(
-        1.0842021724855044e-19,
+        L::splat(1.0842021724855044e-19),
         cos_index_ab,
-        0.012 * sin_index_ab,
+        L::splat(0.012) * sin_index_ab,
     );
     let index_fdp_5 = index_fdp_4 * index_fdp_4;
-    let index_fdp_6 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
-    let index_fdp_7 = 0.011 - index_fdp_6;
+    let index_fdp_6 = mul_add(
+        L::splat(0.01),
+        cos_index_mcp,
+        L::splat(0.012) * sin_index_mcp,
+    );
+    let index_fdp_7 = L::splat(0.011) - index_fdp_6;
     let index_fdp_8 = sqrt(
         mul_add(index_fdp_7, index_fdp_7, mul_add(index_fdp_3, index_fdp_3, index_fdp_5)),
     );
-    let index_fdp_9 = 1.0 / index_fdp_8;
+    let index_fdp_9 = L::splat(1.0) / index_fdp_8;
     let index_fdp_10 = index_fdp_3 * index_fdp_9;
     let index_fdp_11 = index_fdp_4 * index_fdp_9;
     let index_fdp_12 = neg_mul_add(
@@ -2950,39 +3233,50 @@ fn evaluate_with_matrix_part_1(
         index_fdp_2 * index_fdp_11,
     );
     let index_fdp_13 = neg_mul_add(
-        3.1487999999999994e-5,
+        L::splat(3.1487999999999994e-5),
         cos_index_pip,
-        0.000172672 * sin_index_pip,
+        L::splat(0.000172672) * sin_index_pip,
     );
-    let index_fdp_14 = sqrt(neg_mul_add(2.0, index_fdp_13, 0.000354510464));
+    let index_fdp_14 = sqrt(
+        neg_mul_add(L::splat(2.0), index_fdp_13, L::splat(0.000354510464)),
+    );
     let index_fdp_15 = mul_add(
-        7.315840000000005e-6,
+        L::splat(7.315840000000005e-6),
         cos_index_dip,
-        7.6342e-5 * sin_index_dip,
+        L::splat(7.6342e-5) * sin_index_dip,
     );
-    let index_fdp_16 = sqrt(neg_mul_add(2.0, index_fdp_15, 0.00015491888400000003));
-    let index_fdp_17 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_14 + index_fdp_16
-            - rest_index_fdp);
-    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
+    let index_fdp_16 = sqrt(
+        neg_mul_add(L::splat(2.0), index_fdp_15, L::splat(0.00015491888400000003)),
+    );
+    let index_fdp_17 = (L::splat(0.12972844537042483) + index_fdp_8 + index_fdp_14
+        + index_fdp_16 - rest_index_fdp) * c_2;
+    let index_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_index_mcp,
+        L::splat(0.0105) * sin_index_mcp,
+    );
     let index_edc_2 = mul_add(
-        0.002999999999999997,
+        L::splat(0.002999999999999997),
         cos_index_ab,
-        2.439454888092385e-19 * sin_index_ab,
+        L::splat(2.439454888092385e-19) * sin_index_ab,
     );
     let index_edc_3 = index_edc_2 + index_edc_1;
     let index_edc_4 = neg_mul_add(
-        2.439454888092385e-19,
+        L::splat(2.439454888092385e-19),
         cos_index_ab,
-        0.002999999999999997 * sin_index_ab,
+        L::splat(0.002999999999999997) * sin_index_ab,
     );
     let index_edc_5 = index_edc_4 * index_edc_4;
-    let index_edc_6 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
-    let index_edc_7 = -0.011 + index_edc_6;
+    let index_edc_6 = mul_sub(
+        L::splat(0.0105),
+        cos_index_mcp,
+        L::splat(0.003) * sin_index_mcp,
+    );
+    let index_edc_7 = L::splat(-0.011) + index_edc_6;
     let index_edc_8 = sqrt(
         mul_add(index_edc_7, index_edc_7, mul_add(index_edc_3, index_edc_3, index_edc_5)),
     );
-    let index_edc_9 = 1.0 / index_edc_8;
+    let index_edc_9 = L::splat(1.0) / index_edc_8;
     let index_edc_10 = index_edc_3 * index_edc_9;
     let index_edc_11 = index_edc_4 * index_edc_9;
     let index_edc_12 = neg_mul_add(
@@ -2991,30 +3285,40 @@ fn evaluate_with_matrix_part_1(
         index_edc_2 * index_edc_11,
     );
     let index_edc_13 = mul_sub(
-        7.699999999999999e-5,
+        L::splat(7.699999999999999e-5),
         cos_index_pip,
-        3.6000000000000014e-5 * sin_index_pip,
+        L::splat(3.6000000000000014e-5) * sin_index_pip,
     );
-    let index_edc_14 = sqrt(neg_mul_add(2.0, index_edc_13, 0.00016999999999999999));
-    let index_edc_15 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_14 - rest_index_edc);
+    let index_edc_14 = sqrt(
+        neg_mul_add(L::splat(2.0), index_edc_13, L::splat(0.00016999999999999999)),
+    );
+    let index_edc_15 = (L::splat(0.14993665655140606) + index_edc_8 + index_edc_14
+        - rest_index_edc) * c_3;
     let index_interosseous_1 = neg_mul_add(
-        0.008000000000000004,
+        L::splat(0.008000000000000004),
         cos_index_ab,
-        0.010999999999999996 * sin_index_ab,
+        L::splat(0.010999999999999996) * sin_index_ab,
     );
-    let index_interosseous_2 = 0.008 * cos_index_mcp;
-    let index_interosseous_3 = neg_mul_add(0.001, sin_index_mcp, index_interosseous_2);
+    let index_interosseous_2 = L::splat(0.008) * cos_index_mcp;
+    let index_interosseous_3 = neg_mul_add(
+        L::splat(0.001),
+        sin_index_mcp,
+        index_interosseous_2,
+    );
     let index_interosseous_4 = index_interosseous_3 - index_interosseous_1;
     let index_interosseous_5 = mul_add(
-        0.010999999999999996,
+        L::splat(0.010999999999999996),
         cos_index_ab,
-        0.008000000000000004 * sin_index_ab,
+        L::splat(0.008000000000000004) * sin_index_ab,
     );
-    let index_interosseous_6 = 0.01 - index_interosseous_5;
-    let index_interosseous_7 = 0.008 * sin_index_mcp;
-    let index_interosseous_8 = mul_add(0.001, cos_index_mcp, index_interosseous_7);
-    let index_interosseous_9 = 0.001 - index_interosseous_8;
+    let index_interosseous_6 = L::splat(0.01) - index_interosseous_5;
+    let index_interosseous_7 = L::splat(0.008) * sin_index_mcp;
+    let index_interosseous_8 = mul_add(
+        L::splat(0.001),
+        cos_index_mcp,
+        index_interosseous_7,
+    );
+    let index_interosseous_9 = L::splat(0.001) - index_interosseous_8;
     let index_interosseous_10 = mul_add(
         index_interosseous_9,
         index_interosseous_9,
@@ -3025,7 +3329,7 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let index_interosseous_11 = sqrt(index_interosseous_10);
-    let index_interosseous_12 = 1.0 / index_interosseous_11;
+    let index_interosseous_12 = L::splat(1.0) / index_interosseous_11;
     let index_interosseous_13 = index_interosseous_4 * index_interosseous_12;
     let index_interosseous_14 = index_interosseous_6 * index_interosseous_12;
     let index_interosseous_15 = neg_mul_add(
@@ -3033,35 +3337,35 @@ fn evaluate_with_matrix_part_1(
         index_interosseous_13,
         index_interosseous_1 * index_interosseous_14,
     );
-    let index_interosseous_16 = k_intrinsic
-        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
+    let index_interosseous_16 = (L::splat(0.045210728815182795) + index_interosseous_11
+        - rest_index_interosseous) * c_1;
     let index_ab_33 = mul_add(
         index_interosseous_15,
         index_interosseous_16,
         mul_add(index_fdp_12, index_fdp_17, index_edc_12 * index_edc_15),
     );
-    let index_band_1 = neg_mul_add(0.005, sin_index_mcp, index_interosseous_2);
+    let index_band_1 = neg_mul_add(L::splat(0.005), sin_index_mcp, index_interosseous_2);
     let index_band_2 = mul_add(
-        0.007999999999999997,
+        L::splat(0.007999999999999997),
         cos_index_ab,
-        0.010000000000000002 * sin_index_ab,
+        L::splat(0.010000000000000002) * sin_index_ab,
     );
     let index_band_3 = index_band_2 + index_band_1;
     let index_band_4 = neg_mul_add(
-        0.010000000000000002,
+        L::splat(0.010000000000000002),
         cos_index_ab,
-        0.007999999999999997 * sin_index_ab,
+        L::splat(0.007999999999999997) * sin_index_ab,
     );
-    let index_band_5 = -0.009 - index_band_4;
-    let index_band_6 = mul_add(0.005, cos_index_mcp, index_interosseous_7);
-    let index_band_7 = 0.005 - index_band_6;
+    let index_band_5 = L::splat(-0.009) - index_band_4;
+    let index_band_6 = mul_add(L::splat(0.005), cos_index_mcp, index_interosseous_7);
+    let index_band_7 = L::splat(0.005) - index_band_6;
     let index_band_8 = mul_add(
         index_band_7,
         index_band_7,
         mul_add(index_band_3, index_band_3, index_band_5 * index_band_5),
     );
     let index_band_9 = sqrt(index_band_8);
-    let index_band_10 = 1.0 / index_band_9;
+    let index_band_10 = L::splat(1.0) / index_band_9;
     let index_band_11 = index_band_3 * index_band_10;
     let index_band_12 = index_band_5 * index_band_10;
     let index_band_13 = mul_add(
@@ -3070,30 +3374,33 @@ fn evaluate_with_matrix_part_1(
         index_band_2 * index_band_12,
     );
     let index_band_14 = mul_sub(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         cos_index_pip,
-        3.600000000000002e-5 * sin_index_pip,
+        L::splat(3.600000000000002e-5) * sin_index_pip,
     );
-    let index_band_15 = sqrt(neg_mul_add(2.0, index_band_14, 9.000000000000003e-5));
+    let index_band_15 = sqrt(
+        neg_mul_add(L::splat(2.0), index_band_14, L::splat(9.000000000000003e-5)),
+    );
     let index_band_16 = mul_sub(
-        3.825e-5,
+        L::splat(3.825e-5),
         cos_index_dip,
-        2.5999999999999988e-5 * sin_index_dip,
+        L::splat(2.5999999999999988e-5) * sin_index_dip,
     );
-    let index_band_17 = sqrt(neg_mul_add(2.0, index_band_16, 9.649999999999999e-5));
-    let index_band_18 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_15 + index_band_17
-            - rest_index_band);
-    force[coordinate::INDEX_AB] = neg_mul_add(
-        damping,
+    let index_band_17 = sqrt(
+        neg_mul_add(L::splat(2.0), index_band_16, L::splat(9.649999999999999e-5)),
+    );
+    let index_band_18 = (L::splat(0.09421199494172741) + index_band_9 + index_band_15
+        + index_band_17 - rest_index_band) * c_1;
+    force[0] = neg_mul_add(
         v_index_ab,
+        c_0,
         mul_sub(index_band_13, index_band_18, index_ab_33),
     );
     let index_mcp_10 = index_ab_16 + index_ab_4;
-    let index_mcp_11 = 0.00022169899542251022 + index_mcp_10;
-    let index_mcp_12 = 9.81 * cos_index_mcp;
+    let index_mcp_11 = L::splat(0.00022169899542251022) + index_mcp_10;
+    let index_mcp_12 = L::splat(9.81) * cos_index_mcp;
     let index_mcp_13 = index_ab_28 + index_ab_23;
-    let index_mcp_14 = 9.81 * sin_index_mcp;
+    let index_mcp_14 = L::splat(9.81) * sin_index_mcp;
     let index_mcp_15 = index_mcp_13 * index_mcp_14;
     let index_mcp_16 = mul_sub(index_mcp_11, index_mcp_12, index_mcp_15)
         - mul_add(index_ab_7, index_ab_32, index_ab_12 * index_ab_22);
@@ -3122,41 +3429,45 @@ fn evaluate_with_matrix_part_1(
         index_band_11,
         index_band_1 * index_band_19,
     );
-    force[coordinate::INDEX_MCP] = neg_mul_add(
-        damping,
+    force[1] = neg_mul_add(
         v_index_mcp,
+        c_0,
         mul_add(index_band_20, index_band_18, index_mcp_17),
     );
     let index_pip_3 = mul_sub(index_ab_12, index_ab_23, index_ab_7 * index_ab_4);
     let index_pip_4 = mul_sub(index_ab_12, index_ab_28, index_ab_7 * index_ab_16)
         + index_pip_3;
-    let index_pip_5 = 0.039799999999999995 * index_ab_12;
+    let index_pip_5 = L::splat(0.039799999999999995) * index_ab_12;
     let index_pip_6 = neg_mul_add(index_mcp_2, index_ab_28, index_dip_1);
-    let index_pip_7 = 0.039799999999999995 * v_index_mcp;
+    let index_pip_7 = L::splat(0.039799999999999995) * v_index_mcp;
     let index_pip_8 = mul_sub(index_pip_7, index_pip_6, index_pip_5 * index_pip_4)
         - mul_add(index_ab_7, index_ab_31, index_ab_12 * index_ab_21);
     let index_pip_9 = index_pip_8
         + neg_mul_add(
-            0.002978889312575444,
+            L::splat(0.002978889312575444),
             cos_index_mcp,
             mul_sub(index_mcp_10, index_mcp_12, index_mcp_15),
         );
-    let index_fdp_20 = 1.0 / index_fdp_14;
+    let index_fdp_20 = L::splat(1.0) / index_fdp_14;
     let index_fdp_21 = index_fdp_20
-        * mul_add(3.1487999999999994e-5, sin_index_pip, 0.000172672 * cos_index_pip);
-    let index_edc_18 = 1.0 / index_edc_14;
+        * mul_add(
+            L::splat(3.1487999999999994e-5),
+            sin_index_pip,
+            L::splat(0.000172672) * cos_index_pip,
+        );
+    let index_edc_18 = L::splat(1.0) / index_edc_14;
     let index_edc_19 = index_edc_18
         * mul_add(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             sin_index_pip,
-            3.6000000000000014e-5 * cos_index_pip,
+            L::splat(3.6000000000000014e-5) * cos_index_pip,
         );
-    let index_band_21 = 1.0 / index_band_15;
+    let index_band_21 = L::splat(1.0) / index_band_15;
     let index_band_22 = index_band_21
         * mul_add(
-            2.6999999999999985e-5,
+            L::splat(2.6999999999999985e-5),
             sin_index_pip,
-            3.600000000000002e-5 * cos_index_pip,
+            L::splat(3.600000000000002e-5) * cos_index_pip,
         );
     let index_pip_10 = neg_mul_add(
         index_band_22,
@@ -3167,7 +3478,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(index_fdp_21, index_fdp_17, index_pip_9),
         ),
     );
-    force[coordinate::INDEX_PIP] = neg_mul_add(damping, v_index_pip, index_pip_10);
+    force[2] = neg_mul_add(v_index_pip, c_0, index_pip_10);
     let index_dip_2 = mul_add(index_ab_8, index_ab_7, index_ab_2 * index_ab_12);
     let index_dip_3 = mul_sub(index_ab_2, index_mcp_2, index_mcp_4);
     let index_dip_4 = index_ab_8 * index_mcp_2;
@@ -3178,36 +3489,52 @@ fn evaluate_with_matrix_part_1(
     );
     let index_dip_6 = mul_sub(
         index_ab_8,
-        0.02624609716072788 * sin_index_mcp,
-        index_ab_2 * (0.02624609716072788 * cos_index_mcp),
+        L::splat(0.02624609716072788) * sin_index_mcp,
+        index_ab_2 * (L::splat(0.02624609716072788) * cos_index_mcp),
     );
     let index_dip_7 = index_dip_5
         - mul_add(index_ab_7, index_ab_27, index_ab_12 * index_ab_14)
         + (neg_mul_add(index_ab_23, index_mcp_14, index_ab_4 * index_mcp_12)
             + index_dip_6);
-    let index_fdp_22 = 1.0 / index_fdp_16;
+    let index_fdp_22 = L::splat(1.0) / index_fdp_16;
     let index_fdp_23 = index_fdp_22
-        * mul_sub(7.315840000000005e-6, sin_index_dip, 7.6342e-5 * cos_index_dip);
-    let index_band_23 = 1.0 / index_band_17;
+        * mul_sub(
+            L::splat(7.315840000000005e-6),
+            sin_index_dip,
+            L::splat(7.6342e-5) * cos_index_dip,
+        );
+    let index_band_23 = L::splat(1.0) / index_band_17;
     let index_band_24 = index_band_23
-        * mul_add(3.825e-5, sin_index_dip, 2.5999999999999988e-5 * cos_index_dip);
-    force[coordinate::INDEX_DIP] = neg_mul_add(
-        damping,
+        * mul_add(
+            L::splat(3.825e-5),
+            sin_index_dip,
+            L::splat(2.5999999999999988e-5) * cos_index_dip,
+        );
+    force[3] = neg_mul_add(
         v_index_dip,
+        c_0,
         neg_mul_add(
             index_band_24,
             index_band_18,
             neg_mul_add(index_fdp_23, index_fdp_17, index_dip_7),
         ),
     );
-    let middle_fdp_1 = mul_sub(0.012, cos_middle_mcp, 0.01 * sin_middle_mcp);
+    let middle_fdp_1 = mul_sub(
+        L::splat(0.012),
+        cos_middle_mcp,
+        L::splat(0.01) * sin_middle_mcp,
+    );
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
-    let middle_fdp_2 = 0.011999999999999997 * cos_middle_ab;
+    let middle_fdp_2 = L::splat(0.011999999999999997) * cos_middle_ab;
     let middle_fdp_3 = middle_fdp_2 + middle_fdp_1;
-    let middle_fdp_4 = 0.011999999999999997 * sin_middle_ab;
+    let middle_fdp_4 = L::splat(0.011999999999999997) * sin_middle_ab;
     let middle_fdp_5 = middle_fdp_4 * middle_fdp_4;
-    let middle_fdp_6 = mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
-    let middle_fdp_7 = 0.011 - middle_fdp_6;
+    let middle_fdp_6 = mul_add(
+        L::splat(0.01),
+        cos_middle_mcp,
+        L::splat(0.012) * sin_middle_mcp,
+    );
+    let middle_fdp_7 = L::splat(0.011) - middle_fdp_6;
     let middle_fdp_8 = sqrt(
         mul_add(
             middle_fdp_7,
@@ -3215,7 +3542,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_5),
         ),
     );
-    let middle_fdp_9 = 1.0 / middle_fdp_8;
+    let middle_fdp_9 = L::splat(1.0) / middle_fdp_8;
     let middle_fdp_10 = middle_fdp_3 * middle_fdp_9;
     let middle_fdp_11 = middle_fdp_4 * middle_fdp_9;
     let middle_fdp_12 = neg_mul_add(
@@ -3224,27 +3551,38 @@ fn evaluate_with_matrix_part_1(
         middle_fdp_2 * middle_fdp_11,
     );
     let middle_fdp_13 = neg_mul_add(
-        4.9505999999999956e-5,
+        L::splat(4.9505999999999956e-5),
         cos_middle_pip,
-        0.00018741399999999995 * sin_middle_pip,
+        L::splat(0.00018741399999999995) * sin_middle_pip,
     );
-    let middle_fdp_14 = sqrt(neg_mul_add(2.0, middle_fdp_13, 0.00038801411599999986));
+    let middle_fdp_14 = sqrt(
+        neg_mul_add(L::splat(2.0), middle_fdp_13, L::splat(0.00038801411599999986)),
+    );
     let middle_fdp_15 = neg_mul_add(
-        2.8467600000000052e-6,
+        L::splat(2.8467600000000052e-6),
         cos_middle_dip,
-        8.681400000000001e-5 * sin_middle_dip,
+        L::splat(8.681400000000001e-5) * sin_middle_dip,
     );
-    let middle_fdp_16 = sqrt(neg_mul_add(2.0, middle_fdp_15, 0.00017631659600000004));
-    let middle_fdp_17 = k_flexor
-        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_14 + middle_fdp_16
-            - rest_middle_fdp);
-    let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
-    let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
+    let middle_fdp_16 = sqrt(
+        neg_mul_add(L::splat(2.0), middle_fdp_15, L::splat(0.00017631659600000004)),
+    );
+    let middle_fdp_17 = (L::splat(0.13218112782147726) + middle_fdp_8 + middle_fdp_14
+        + middle_fdp_16 - rest_middle_fdp) * c_2;
+    let middle_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_middle_mcp,
+        L::splat(0.0105) * sin_middle_mcp,
+    );
+    let middle_edc_2 = L::splat(0.0030000000000000027) * cos_middle_ab;
     let middle_edc_3 = middle_edc_2 + middle_edc_1;
-    let middle_edc_4 = 0.0030000000000000027 * sin_middle_ab;
+    let middle_edc_4 = L::splat(0.0030000000000000027) * sin_middle_ab;
     let middle_edc_5 = middle_edc_4 * middle_edc_4;
-    let middle_edc_6 = mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
-    let middle_edc_7 = -0.011 + middle_edc_6;
+    let middle_edc_6 = mul_sub(
+        L::splat(0.0105),
+        cos_middle_mcp,
+        L::splat(0.003) * sin_middle_mcp,
+    );
+    let middle_edc_7 = L::splat(-0.011) + middle_edc_6;
     let middle_edc_8 = sqrt(
         mul_add(
             middle_edc_7,
@@ -3252,7 +3590,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(middle_edc_3, middle_edc_3, middle_edc_5),
         ),
     );
-    let middle_edc_9 = 1.0 / middle_edc_8;
+    let middle_edc_9 = L::splat(1.0) / middle_edc_8;
     let middle_edc_10 = middle_edc_3 * middle_edc_9;
     let middle_edc_11 = middle_edc_4 * middle_edc_9;
     let middle_edc_12 = neg_mul_add(
@@ -3261,28 +3599,42 @@ fn evaluate_with_matrix_part_1(
         middle_edc_2 * middle_edc_11,
     );
     let middle_edc_13 = mul_sub(
-        7.699999999999999e-5,
+        L::splat(7.699999999999999e-5),
         cos_middle_pip,
-        3.6000000000000014e-5 * sin_middle_pip,
+        L::splat(3.6000000000000014e-5) * sin_middle_pip,
     );
-    let middle_edc_14 = sqrt(neg_mul_add(2.0, middle_edc_13, 0.00016999999999999999));
-    let middle_edc_15 = k_extensor
-        * (0.15123287910466324 + middle_edc_8 + middle_edc_14 - rest_middle_edc);
-    let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
-    let middle_interosseous_2 = mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
-    let middle_interosseous_3 = 0.008 * cos_middle_mcp;
+    let middle_edc_14 = sqrt(
+        neg_mul_add(L::splat(2.0), middle_edc_13, L::splat(0.00016999999999999999)),
+    );
+    let middle_edc_15 = (L::splat(0.15123287910466324) + middle_edc_8 + middle_edc_14
+        - rest_middle_edc) * c_3;
+    let middle_interosseous_1 = L::splat(0.007999999999999993) * cos_middle_ab;
+    let middle_interosseous_2 = mul_sub(
+        L::splat(0.011),
+        sin_middle_ab,
+        middle_interosseous_1,
+    );
+    let middle_interosseous_3 = L::splat(0.008) * cos_middle_mcp;
     let middle_interosseous_4 = neg_mul_add(
-        0.001,
+        L::splat(0.001),
         sin_middle_mcp,
         middle_interosseous_3,
     );
     let middle_interosseous_5 = middle_interosseous_4 - middle_interosseous_2;
-    let middle_interosseous_6 = 0.007999999999999993 * sin_middle_ab;
-    let middle_interosseous_7 = mul_add(0.011, cos_middle_ab, middle_interosseous_6);
-    let middle_interosseous_8 = 0.01 - middle_interosseous_7;
-    let middle_interosseous_9 = 0.008 * sin_middle_mcp;
-    let middle_interosseous_10 = mul_add(0.001, cos_middle_mcp, middle_interosseous_9);
-    let middle_interosseous_11 = 0.001 - middle_interosseous_10;
+    let middle_interosseous_6 = L::splat(0.007999999999999993) * sin_middle_ab;
+    let middle_interosseous_7 = mul_add(
+        L::splat(0.011),
+        cos_middle_ab,
+        middle_interosseous_6,
+    );
+    let middle_interosseous_8 = L::splat(0.01) - middle_interosseous_7;
+    let middle_interosseous_9 = L::splat(0.008) * sin_middle_mcp;
+    let middle_interosseous_10 = mul_add(
+        L::splat(0.001),
+        cos_middle_mcp,
+        middle_interosseous_9,
+    );
+    let middle_interosseous_11 = L::splat(0.001) - middle_interosseous_10;
     let middle_interosseous_12 = mul_add(
         middle_interosseous_11,
         middle_interosseous_11,
@@ -3293,7 +3645,7 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let middle_interosseous_13 = sqrt(middle_interosseous_12);
-    let middle_interosseous_14 = 1.0 / middle_interosseous_13;
+    let middle_interosseous_14 = L::splat(1.0) / middle_interosseous_13;
     let middle_interosseous_15 = middle_interosseous_5 * middle_interosseous_14;
     let middle_interosseous_16 = middle_interosseous_8 * middle_interosseous_14;
     let middle_interosseous_17 = neg_mul_add(
@@ -3301,27 +3653,35 @@ fn evaluate_with_matrix_part_1(
         middle_interosseous_15,
         middle_interosseous_2 * middle_interosseous_16,
     );
-    let middle_interosseous_18 = k_intrinsic
-        * (0.041720019175451005 + middle_interosseous_13 - rest_middle_interosseous);
+    let middle_interosseous_18 = (L::splat(0.041720019175451005) + middle_interosseous_13
+        - rest_middle_interosseous) * c_1;
     let middle_ab_33 = mul_add(
         middle_interosseous_17,
         middle_interosseous_18,
-        mul_add(middle_fdp_12, middle_fdp_17, middle_edc_12 * middle_edc_15),
+        mul_add(middle_edc_12, middle_edc_15, middle_fdp_12 * middle_fdp_17),
     );
-    let middle_band_1 = neg_mul_add(0.005, sin_middle_mcp, middle_interosseous_3);
-    let middle_band_2 = mul_add(0.01, sin_middle_ab, middle_interosseous_1);
+    let middle_band_1 = neg_mul_add(
+        L::splat(0.005),
+        sin_middle_mcp,
+        middle_interosseous_3,
+    );
+    let middle_band_2 = mul_add(L::splat(0.01), sin_middle_ab, middle_interosseous_1);
     let middle_band_3 = middle_band_2 + middle_band_1;
-    let middle_band_4 = neg_mul_add(0.01, cos_middle_ab, middle_interosseous_6);
-    let middle_band_5 = -0.009 - middle_band_4;
-    let middle_band_6 = mul_add(0.005, cos_middle_mcp, middle_interosseous_9);
-    let middle_band_7 = 0.005 - middle_band_6;
+    let middle_band_4 = neg_mul_add(
+        L::splat(0.01),
+        cos_middle_ab,
+        middle_interosseous_6,
+    );
+    let middle_band_5 = L::splat(-0.009) - middle_band_4;
+    let middle_band_6 = mul_add(L::splat(0.005), cos_middle_mcp, middle_interosseous_9);
+    let middle_band_7 = L::splat(0.005) - middle_band_6;
     let middle_band_8 = mul_add(
         middle_band_7,
         middle_band_7,
         mul_add(middle_band_3, middle_band_3, middle_band_5 * middle_band_5),
     );
     let middle_band_9 = sqrt(middle_band_8);
-    let middle_band_10 = 1.0 / middle_band_9;
+    let middle_band_10 = L::splat(1.0) / middle_band_9;
     let middle_band_11 = middle_band_3 * middle_band_10;
     let middle_band_12 = middle_band_5 * middle_band_10;
     let middle_band_13 = mul_add(
@@ -3330,30 +3690,33 @@ fn evaluate_with_matrix_part_1(
         middle_band_2 * middle_band_12,
     );
     let middle_band_14 = mul_sub(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         cos_middle_pip,
-        3.600000000000002e-5 * sin_middle_pip,
+        L::splat(3.600000000000002e-5) * sin_middle_pip,
     );
-    let middle_band_15 = sqrt(neg_mul_add(2.0, middle_band_14, 9.000000000000003e-5));
+    let middle_band_15 = sqrt(
+        neg_mul_add(L::splat(2.0), middle_band_14, L::splat(9.000000000000003e-5)),
+    );
     let middle_band_16 = mul_sub(
-        3.825e-5,
+        L::splat(3.825e-5),
         cos_middle_dip,
-        2.5999999999999988e-5 * sin_middle_dip,
+        L::splat(2.5999999999999988e-5) * sin_middle_dip,
     );
-    let middle_band_17 = sqrt(neg_mul_add(2.0, middle_band_16, 9.649999999999999e-5));
-    let middle_band_18 = k_intrinsic
-        * (0.09905932921879514 + middle_band_9 + middle_band_15 + middle_band_17
-            - rest_middle_band);
-    force[coordinate::MIDDLE_AB] = neg_mul_add(
-        damping,
+    let middle_band_17 = sqrt(
+        neg_mul_add(L::splat(2.0), middle_band_16, L::splat(9.649999999999999e-5)),
+    );
+    let middle_band_18 = (L::splat(0.09905932921879514) + middle_band_9 + middle_band_15
+        + middle_band_17 - rest_middle_band) * c_1;
+    force[4] = neg_mul_add(
         v_middle_ab,
+        c_0,
         mul_sub(middle_band_13, middle_band_18, middle_ab_33),
     );
     let middle_mcp_10 = middle_ab_16 + middle_ab_4;
-    let middle_mcp_11 = 0.00027839876122739363 + middle_mcp_10;
-    let middle_mcp_12 = 9.81 * cos_middle_mcp;
+    let middle_mcp_11 = L::splat(0.00027839876122739363) + middle_mcp_10;
+    let middle_mcp_12 = L::splat(9.81) * cos_middle_mcp;
     let middle_mcp_13 = middle_ab_28 + middle_ab_23;
-    let middle_mcp_14 = 9.81 * sin_middle_mcp;
+    let middle_mcp_14 = L::splat(9.81) * sin_middle_mcp;
     let middle_mcp_15 = middle_mcp_13 * middle_mcp_14;
     let middle_mcp_16 = mul_sub(middle_mcp_11, middle_mcp_12, middle_mcp_15)
         - mul_add(middle_ab_7, middle_ab_32, middle_ab_12 * middle_ab_22);
@@ -3390,45 +3753,45 @@ fn evaluate_with_matrix_part_1(
         middle_band_11,
         middle_band_1 * middle_band_19,
     );
-    force[coordinate::MIDDLE_MCP] = neg_mul_add(
-        damping,
+    force[5] = neg_mul_add(
         v_middle_mcp,
+        c_0,
         mul_add(middle_band_20, middle_band_18, middle_mcp_17),
     );
     let middle_pip_3 = mul_sub(middle_ab_12, middle_ab_23, middle_ab_7 * middle_ab_4);
     let middle_pip_4 = mul_sub(middle_ab_12, middle_ab_28, middle_ab_7 * middle_ab_16)
         + middle_pip_3;
-    let middle_pip_5 = 0.0446 * middle_ab_12;
+    let middle_pip_5 = L::splat(0.0446) * middle_ab_12;
     let middle_pip_6 = neg_mul_add(middle_mcp_2, middle_ab_28, middle_dip_1);
-    let middle_pip_7 = 0.0446 * v_middle_mcp;
+    let middle_pip_7 = L::splat(0.0446) * v_middle_mcp;
     let middle_pip_8 = mul_sub(middle_pip_7, middle_pip_6, middle_pip_5 * middle_pip_4)
         - mul_add(middle_ab_7, middle_ab_31, middle_ab_12 * middle_ab_21);
     let middle_pip_9 = middle_pip_8
         + neg_mul_add(
-            0.003834082216269373,
+            L::splat(0.003834082216269373),
             cos_middle_mcp,
             mul_sub(middle_mcp_10, middle_mcp_12, middle_mcp_15),
         );
-    let middle_fdp_20 = 1.0 / middle_fdp_14;
+    let middle_fdp_20 = L::splat(1.0) / middle_fdp_14;
     let middle_fdp_21 = middle_fdp_20
         * mul_add(
-            4.9505999999999956e-5,
+            L::splat(4.9505999999999956e-5),
             sin_middle_pip,
-            0.00018741399999999995 * cos_middle_pip,
+            L::splat(0.00018741399999999995) * cos_middle_pip,
         );
-    let middle_edc_18 = 1.0 / middle_edc_14;
+    let middle_edc_18 = L::splat(1.0) / middle_edc_14;
     let middle_edc_19 = middle_edc_18
         * mul_add(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             sin_middle_pip,
-            3.6000000000000014e-5 * cos_middle_pip,
+            L::splat(3.6000000000000014e-5) * cos_middle_pip,
         );
-    let middle_band_21 = 1.0 / middle_band_15;
+    let middle_band_21 = L::splat(1.0) / middle_band_15;
     let middle_band_22 = middle_band_21
         * mul_add(
-            2.6999999999999985e-5,
+            L::splat(2.6999999999999985e-5),
             sin_middle_pip,
-            3.600000000000002e-5 * cos_middle_pip,
+            L::splat(3.600000000000002e-5) * cos_middle_pip,
         );
     let middle_pip_10 = neg_mul_add(
         middle_band_22,
@@ -3439,7 +3802,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(middle_fdp_21, middle_fdp_17, middle_pip_9),
         ),
     );
-    force[coordinate::MIDDLE_PIP] = neg_mul_add(damping, v_middle_pip, middle_pip_10);
+    force[6] = neg_mul_add(v_middle_pip, c_0, middle_pip_10);
     let middle_dip_2 = mul_add(middle_ab_8, middle_ab_7, middle_ab_2 * middle_ab_12);
     let middle_dip_3 = mul_sub(middle_ab_2, middle_mcp_2, middle_mcp_4);
     let middle_dip_4 = middle_ab_8 * middle_mcp_2;
@@ -3450,116 +3813,150 @@ fn evaluate_with_matrix_part_1(
     );
     let middle_dip_6 = mul_sub(
         middle_ab_8,
-        0.028903929784599047 * sin_middle_mcp,
-        middle_ab_2 * (0.028903929784599047 * cos_middle_mcp),
+        L::splat(0.028903929784599047) * sin_middle_mcp,
+        middle_ab_2 * (L::splat(0.028903929784599047) * cos_middle_mcp),
     );
     let middle_dip_7 = middle_dip_5
         - mul_add(middle_ab_7, middle_ab_27, middle_ab_12 * middle_ab_14)
         + (neg_mul_add(middle_ab_23, middle_mcp_14, middle_ab_4 * middle_mcp_12)
             + middle_dip_6);
-    let middle_fdp_22 = 1.0 / middle_fdp_16;
+    let middle_fdp_22 = L::splat(1.0) / middle_fdp_16;
     let middle_fdp_23 = middle_fdp_22
         * mul_add(
-            2.8467600000000052e-6,
+            L::splat(2.8467600000000052e-6),
             sin_middle_dip,
-            8.681400000000001e-5 * cos_middle_dip,
+            L::splat(8.681400000000001e-5) * cos_middle_dip,
         );
-    let middle_band_23 = 1.0 / middle_band_17;
+    let middle_band_23 = L::splat(1.0) / middle_band_17;
     let middle_band_24 = middle_band_23
-        * mul_add(3.825e-5, sin_middle_dip, 2.5999999999999988e-5 * cos_middle_dip);
-    force[coordinate::MIDDLE_DIP] = neg_mul_add(
-        damping,
+        * mul_add(
+            L::splat(3.825e-5),
+            sin_middle_dip,
+            L::splat(2.5999999999999988e-5) * cos_middle_dip,
+        );
+    force[7] = neg_mul_add(
         v_middle_dip,
+        c_0,
         neg_mul_add(
             middle_band_24,
             middle_band_18,
             mul_add(middle_fdp_23, middle_fdp_17, middle_dip_7),
         ),
     );
-    let ring_fdp_1 = mul_sub(0.012, cos_ring_mcp, 0.01 * sin_ring_mcp);
+    let ring_fdp_1 = mul_sub(
+        L::splat(0.012),
+        cos_ring_mcp,
+        L::splat(0.01) * sin_ring_mcp,
+    );
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_fdp_2 = mul_add(
-        0.012000000000000007,
+        L::splat(0.012000000000000007),
         cos_ring_ab,
-        1.1926223897340549e-18 * sin_ring_ab,
+        L::splat(1.1926223897340549e-18) * sin_ring_ab,
     );
     let ring_fdp_3 = ring_fdp_2 + ring_fdp_1;
     let ring_fdp_4 = neg_mul_add(
-        1.1926223897340549e-18,
+        L::splat(1.1926223897340549e-18),
         cos_ring_ab,
-        0.012000000000000007 * sin_ring_ab,
+        L::splat(0.012000000000000007) * sin_ring_ab,
     );
     let ring_fdp_5 = ring_fdp_4 * ring_fdp_4;
-    let ring_fdp_6 = mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
-    let ring_fdp_7 = 0.011 - ring_fdp_6;
+    let ring_fdp_6 = mul_add(
+        L::splat(0.01),
+        cos_ring_mcp,
+        L::splat(0.012) * sin_ring_mcp,
+    );
+    let ring_fdp_7 = L::splat(0.011) - ring_fdp_6;
     let ring_fdp_8 = sqrt(
         mul_add(ring_fdp_7, ring_fdp_7, mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_5)),
     );
-    let ring_fdp_9 = 1.0 / ring_fdp_8;
+    let ring_fdp_9 = L::splat(1.0) / ring_fdp_8;
     let ring_fdp_10 = ring_fdp_3 * ring_fdp_9;
     let ring_fdp_11 = ring_fdp_4 * ring_fdp_9;
     let ring_fdp_12 = neg_mul_add(ring_fdp_4, ring_fdp_10, ring_fdp_2 * ring_fdp_11);
     let ring_fdp_13 = neg_mul_add(
-        4.673399999999999e-5,
+        L::splat(4.673399999999999e-5),
         cos_ring_pip,
-        0.000185146 * sin_ring_pip,
+        L::splat(0.000185146) * sin_ring_pip,
     );
-    let ring_fdp_14 = sqrt(neg_mul_add(2.0, ring_fdp_13, 0.00038251043599999996));
+    let ring_fdp_14 = sqrt(
+        neg_mul_add(L::splat(2.0), ring_fdp_13, L::splat(0.00038251043599999996)),
+    );
     let ring_fdp_15 = neg_mul_add(
-        1.571779999999996e-6,
+        L::splat(1.571779999999996e-6),
         cos_ring_dip,
-        8.5561e-5 * sin_ring_dip,
+        L::splat(8.5561e-5) * sin_ring_dip,
     );
-    let ring_fdp_16 = sqrt(neg_mul_add(2.0, ring_fdp_15, 0.00017344544100000002));
-    let ring_fdp_17 = k_flexor
-        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_14 + ring_fdp_16 - rest_ring_fdp);
-    let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
+    let ring_fdp_16 = sqrt(
+        neg_mul_add(L::splat(2.0), ring_fdp_15, L::splat(0.00017344544100000002)),
+    );
+    let ring_fdp_17 = (L::splat(0.1222069424434041) + ring_fdp_8 + ring_fdp_14
+        + ring_fdp_16 - rest_ring_fdp) * c_2;
+    let ring_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_ring_mcp,
+        L::splat(0.0105) * sin_ring_mcp,
+    );
     let ring_edc_2 = mul_add(
-        0.003000000000000002,
+        L::splat(0.003000000000000002),
         cos_ring_ab,
-        2.981555974335137e-19 * sin_ring_ab,
+        L::splat(2.981555974335137e-19) * sin_ring_ab,
     );
     let ring_edc_3 = ring_edc_2 + ring_edc_1;
     let ring_edc_4 = neg_mul_add(
-        2.981555974335137e-19,
+        L::splat(2.981555974335137e-19),
         cos_ring_ab,
-        0.003000000000000002 * sin_ring_ab,
+        L::splat(0.003000000000000002) * sin_ring_ab,
     );
     let ring_edc_5 = ring_edc_4 * ring_edc_4;
-    let ring_edc_6 = mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
-    let ring_edc_7 = -0.011 + ring_edc_6;
+    let ring_edc_6 = mul_sub(
+        L::splat(0.0105),
+        cos_ring_mcp,
+        L::splat(0.003) * sin_ring_mcp,
+    );
+    let ring_edc_7 = L::splat(-0.011) + ring_edc_6;
     let ring_edc_8 = sqrt(
         mul_add(ring_edc_7, ring_edc_7, mul_add(ring_edc_3, ring_edc_3, ring_edc_5)),
     );
-    let ring_edc_9 = 1.0 / ring_edc_8;
+    let ring_edc_9 = L::splat(1.0) / ring_edc_8;
     let ring_edc_10 = ring_edc_3 * ring_edc_9;
     let ring_edc_11 = ring_edc_4 * ring_edc_9;
     let ring_edc_12 = neg_mul_add(ring_edc_4, ring_edc_10, ring_edc_2 * ring_edc_11);
     let ring_edc_13 = mul_sub(
-        7.699999999999999e-5,
+        L::splat(7.699999999999999e-5),
         cos_ring_pip,
-        3.6000000000000014e-5 * sin_ring_pip,
+        L::splat(3.6000000000000014e-5) * sin_ring_pip,
     );
-    let ring_edc_14 = sqrt(neg_mul_add(2.0, ring_edc_13, 0.00016999999999999999));
-    let ring_edc_15 = k_extensor
-        * (0.14143565528020308 + ring_edc_8 + ring_edc_14 - rest_ring_edc);
-    let ring_interosseous_1 = 0.008 * cos_ring_mcp;
-    let ring_interosseous_2 = neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
+    let ring_edc_14 = sqrt(
+        neg_mul_add(L::splat(2.0), ring_edc_13, L::splat(0.00016999999999999999)),
+    );
+    let ring_edc_15 = (L::splat(0.14143565528020308) + ring_edc_8 + ring_edc_14
+        - rest_ring_edc) * c_3;
+    let ring_interosseous_1 = L::splat(0.008) * cos_ring_mcp;
+    let ring_interosseous_2 = neg_mul_add(
+        L::splat(0.001),
+        sin_ring_mcp,
+        ring_interosseous_1,
+    );
     let ring_interosseous_3 = mul_add(
-        0.008,
+        L::splat(0.008),
         cos_ring_ab,
-        0.011000000000000001 * sin_ring_ab,
+        L::splat(0.011000000000000001) * sin_ring_ab,
     );
     let ring_interosseous_4 = ring_interosseous_3 + ring_interosseous_2;
     let ring_interosseous_5 = neg_mul_add(
-        0.011000000000000001,
+        L::splat(0.011000000000000001),
         cos_ring_ab,
-        0.008 * sin_ring_ab,
+        L::splat(0.008) * sin_ring_ab,
     );
-    let ring_interosseous_6 = -0.01 - ring_interosseous_5;
-    let ring_interosseous_7 = 0.008 * sin_ring_mcp;
-    let ring_interosseous_8 = mul_add(0.001, cos_ring_mcp, ring_interosseous_7);
-    let ring_interosseous_9 = 0.001 - ring_interosseous_8;
+    let ring_interosseous_6 = L::splat(-0.01) - ring_interosseous_5;
+    let ring_interosseous_7 = L::splat(0.008) * sin_ring_mcp;
+    let ring_interosseous_8 = mul_add(
+        L::splat(0.001),
+        cos_ring_mcp,
+        ring_interosseous_7,
+    );
+    let ring_interosseous_9 = L::splat(0.001) - ring_interosseous_8;
     let ring_interosseous_10 = mul_add(
         ring_interosseous_9,
         ring_interosseous_9,
@@ -3570,7 +3967,7 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let ring_interosseous_11 = sqrt(ring_interosseous_10);
-    let ring_interosseous_12 = 1.0 / ring_interosseous_11;
+    let ring_interosseous_12 = L::splat(1.0) / ring_interosseous_11;
     let ring_interosseous_13 = ring_interosseous_4 * ring_interosseous_12;
     let ring_interosseous_14 = ring_interosseous_6 * ring_interosseous_12;
     let ring_interosseous_15 = mul_add(
@@ -3578,35 +3975,35 @@ fn evaluate_with_matrix_part_1(
         ring_interosseous_13,
         ring_interosseous_3 * ring_interosseous_14,
     );
-    let ring_interosseous_16 = k_intrinsic
-        * (0.03514256678161116 + ring_interosseous_11 - rest_ring_interosseous);
+    let ring_interosseous_16 = (L::splat(0.03514256678161116) + ring_interosseous_11
+        - rest_ring_interosseous) * c_1;
     let ring_ab_33 = mul_sub(
         ring_interosseous_15,
         ring_interosseous_16,
         mul_add(ring_fdp_12, ring_fdp_17, ring_edc_12 * ring_edc_15),
     );
     let ring_band_1 = neg_mul_add(
-        0.007999999999999998,
+        L::splat(0.007999999999999998),
         cos_ring_ab,
-        0.010000000000000002 * sin_ring_ab,
+        L::splat(0.010000000000000002) * sin_ring_ab,
     );
-    let ring_band_2 = neg_mul_add(0.005, sin_ring_mcp, ring_interosseous_1);
+    let ring_band_2 = neg_mul_add(L::splat(0.005), sin_ring_mcp, ring_interosseous_1);
     let ring_band_3 = ring_band_2 - ring_band_1;
     let ring_band_4 = mul_add(
-        0.010000000000000002,
+        L::splat(0.010000000000000002),
         cos_ring_ab,
-        0.007999999999999998 * sin_ring_ab,
+        L::splat(0.007999999999999998) * sin_ring_ab,
     );
-    let ring_band_5 = 0.009 - ring_band_4;
-    let ring_band_6 = mul_add(0.005, cos_ring_mcp, ring_interosseous_7);
-    let ring_band_7 = 0.005 - ring_band_6;
+    let ring_band_5 = L::splat(0.009) - ring_band_4;
+    let ring_band_6 = mul_add(L::splat(0.005), cos_ring_mcp, ring_interosseous_7);
+    let ring_band_7 = L::splat(0.005) - ring_band_6;
     let ring_band_8 = mul_add(
         ring_band_7,
         ring_band_7,
         mul_add(ring_band_3, ring_band_3, ring_band_5 * ring_band_5),
     );
     let ring_band_9 = sqrt(ring_band_8);
-    let ring_band_10 = 1.0 / ring_band_9;
+    let ring_band_10 = L::splat(1.0) / ring_band_9;
     let ring_band_11 = ring_band_3 * ring_band_10;
     let ring_band_12 = ring_band_5 * ring_band_10;
     let ring_band_13 = neg_mul_add(
@@ -3615,30 +4012,31 @@ fn evaluate_with_matrix_part_1(
         ring_band_1 * ring_band_12,
     );
     let ring_band_14 = mul_sub(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         cos_ring_pip,
-        3.600000000000002e-5 * sin_ring_pip,
+        L::splat(3.600000000000002e-5) * sin_ring_pip,
     );
-    let ring_band_15 = sqrt(neg_mul_add(2.0, ring_band_14, 9.000000000000003e-5));
+    let ring_band_15 = sqrt(
+        neg_mul_add(L::splat(2.0), ring_band_14, L::splat(9.000000000000003e-5)),
+    );
     let ring_band_16 = mul_sub(
-        3.8249999999999995e-5,
+        L::splat(3.8249999999999995e-5),
         cos_ring_dip,
-        2.600000000000001e-5 * sin_ring_dip,
+        L::splat(2.600000000000001e-5) * sin_ring_dip,
     );
-    let ring_band_17 = sqrt(neg_mul_add(2.0, ring_band_16, 9.65e-5));
-    let ring_band_18 = k_intrinsic
-        * (0.08891202891001955 + ring_band_9 + ring_band_15 + ring_band_17
-            - rest_ring_band);
-    force[coordinate::RING_AB] = neg_mul_add(
-        damping,
+    let ring_band_17 = sqrt(neg_mul_add(L::splat(2.0), ring_band_16, L::splat(9.65e-5)));
+    let ring_band_18 = (L::splat(0.08891202891001955) + ring_band_9 + ring_band_15
+        + ring_band_17 - rest_ring_band) * c_1;
+    force[8] = neg_mul_add(
         v_ring_ab,
+        c_0,
         neg_mul_add(ring_band_13, ring_band_18, ring_ab_33),
     );
     let ring_mcp_10 = ring_ab_16 + ring_ab_4;
-    let ring_mcp_11 = 0.00023988233263955822 + ring_mcp_10;
-    let ring_mcp_12 = 9.81 * cos_ring_mcp;
+    let ring_mcp_11 = L::splat(0.00023988233263955822) + ring_mcp_10;
+    let ring_mcp_12 = L::splat(9.81) * cos_ring_mcp;
     let ring_mcp_13 = ring_ab_28 + ring_ab_23;
-    let ring_mcp_14 = 9.81 * sin_ring_mcp;
+    let ring_mcp_14 = L::splat(9.81) * sin_ring_mcp;
     let ring_mcp_15 = ring_mcp_13 * ring_mcp_14;
     let ring_mcp_16 = mul_sub(ring_mcp_11, ring_mcp_12, ring_mcp_15)
         - mul_add(ring_ab_7, ring_ab_32, ring_ab_12 * ring_ab_22);
@@ -3663,41 +4061,45 @@ fn evaluate_with_matrix_part_1(
     );
     let ring_band_19 = ring_band_7 * ring_band_10;
     let ring_band_20 = mul_add(ring_band_6, ring_band_11, ring_band_2 * ring_band_19);
-    force[coordinate::RING_MCP] = neg_mul_add(
-        damping,
+    force[9] = neg_mul_add(
         v_ring_mcp,
+        c_0,
         mul_add(ring_band_20, ring_band_18, ring_mcp_17),
     );
     let ring_pip_3 = mul_sub(ring_ab_12, ring_ab_23, ring_ab_7 * ring_ab_4);
     let ring_pip_4 = mul_sub(ring_ab_12, ring_ab_28, ring_ab_7 * ring_ab_16)
         + ring_pip_3;
-    let ring_pip_5 = 0.0414 * ring_ab_12;
+    let ring_pip_5 = L::splat(0.0414) * ring_ab_12;
     let ring_pip_6 = neg_mul_add(ring_mcp_2, ring_ab_28, ring_dip_1);
-    let ring_pip_7 = 0.0414 * v_ring_mcp;
+    let ring_pip_7 = L::splat(0.0414) * v_ring_mcp;
     let ring_pip_8 = mul_sub(ring_pip_7, ring_pip_6, ring_pip_5 * ring_pip_4)
         - mul_add(ring_ab_7, ring_ab_31, ring_ab_12 * ring_ab_21);
     let ring_pip_9 = ring_pip_8
         + neg_mul_add(
-            0.0034982196370019745,
+            L::splat(0.0034982196370019745),
             cos_ring_mcp,
             mul_sub(ring_mcp_10, ring_mcp_12, ring_mcp_15),
         );
-    let ring_fdp_20 = 1.0 / ring_fdp_14;
+    let ring_fdp_20 = L::splat(1.0) / ring_fdp_14;
     let ring_fdp_21 = ring_fdp_20
-        * mul_add(4.673399999999999e-5, sin_ring_pip, 0.000185146 * cos_ring_pip);
-    let ring_edc_18 = 1.0 / ring_edc_14;
+        * mul_add(
+            L::splat(4.673399999999999e-5),
+            sin_ring_pip,
+            L::splat(0.000185146) * cos_ring_pip,
+        );
+    let ring_edc_18 = L::splat(1.0) / ring_edc_14;
     let ring_edc_19 = ring_edc_18
         * mul_add(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             sin_ring_pip,
-            3.6000000000000014e-5 * cos_ring_pip,
+            L::splat(3.6000000000000014e-5) * cos_ring_pip,
         );
-    let ring_band_21 = 1.0 / ring_band_15;
+    let ring_band_21 = L::splat(1.0) / ring_band_15;
     let ring_band_22 = ring_band_21
         * mul_add(
-            2.6999999999999985e-5,
+            L::splat(2.6999999999999985e-5),
             sin_ring_pip,
-            3.600000000000002e-5 * cos_ring_pip,
+            L::splat(3.600000000000002e-5) * cos_ring_pip,
         );
     let ring_pip_10 = neg_mul_add(
         ring_band_22,
@@ -3708,7 +4110,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(ring_fdp_21, ring_fdp_17, ring_pip_9),
         ),
     );
-    force[coordinate::RING_PIP] = neg_mul_add(damping, v_ring_pip, ring_pip_10);
+    force[10] = neg_mul_add(v_ring_pip, c_0, ring_pip_10);
     let ring_dip_2 = mul_add(ring_ab_8, ring_ab_7, ring_ab_2 * ring_ab_12);
     let ring_dip_3 = mul_sub(ring_ab_2, ring_mcp_2, ring_mcp_4);
     let ring_dip_4 = ring_ab_8 * ring_mcp_2;
@@ -3719,24 +4121,28 @@ fn evaluate_with_matrix_part_1(
     );
     let ring_dip_6 = mul_sub(
         ring_ab_8,
-        0.0287378152456071 * sin_ring_mcp,
-        ring_ab_2 * (0.0287378152456071 * cos_ring_mcp),
+        L::splat(0.0287378152456071) * sin_ring_mcp,
+        ring_ab_2 * (L::splat(0.0287378152456071) * cos_ring_mcp),
     );
     let ring_dip_7 = ring_dip_5 - mul_add(ring_ab_7, ring_ab_27, ring_ab_12 * ring_ab_14)
         + (neg_mul_add(ring_ab_23, ring_mcp_14, ring_ab_4 * ring_mcp_12) + ring_dip_6);
-    let ring_fdp_22 = 1.0 / ring_fdp_16;
+    let ring_fdp_22 = L::splat(1.0) / ring_fdp_16;
     let ring_fdp_23 = ring_fdp_22
-        * mul_add(1.571779999999996e-6, sin_ring_dip, 8.5561e-5 * cos_ring_dip);
-    let ring_band_23 = 1.0 / ring_band_17;
+        * mul_add(
+            L::splat(1.571779999999996e-6),
+            sin_ring_dip,
+            L::splat(8.5561e-5) * cos_ring_dip,
+        );
+    let ring_band_23 = L::splat(1.0) / ring_band_17;
     let ring_band_24 = ring_band_23
         * mul_add(
-            3.8249999999999995e-5,
+            L::splat(3.8249999999999995e-5),
             sin_ring_dip,
-            2.600000000000001e-5 * cos_ring_dip,
+            L::splat(2.600000000000001e-5) * cos_ring_dip,
         );
-    force[coordinate::RING_DIP] = neg_mul_add(
-        damping,
+    force[11] = neg_mul_add(
         v_ring_dip,
+        c_0,
         neg_mul_add(
             ring_band_24,
             ring_band_18,
@@ -3745,20 +4151,28 @@ fn evaluate_with_matrix_part_1(
     );
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_fdp_1 = neg_mul_add(
-        0.012,
+        L::splat(0.012),
         cos_little_ab,
-        3.686287386450715e-18 * sin_little_ab,
+        L::splat(3.686287386450715e-18) * sin_little_ab,
     );
-    let little_fdp_2 = mul_sub(0.012, cos_little_mcp, 0.01 * sin_little_mcp);
+    let little_fdp_2 = mul_sub(
+        L::splat(0.012),
+        cos_little_mcp,
+        L::splat(0.01) * sin_little_mcp,
+    );
     let little_fdp_3 = little_fdp_2 - little_fdp_1;
     let little_fdp_4 = mul_add(
-        3.686287386450715e-18,
+        L::splat(3.686287386450715e-18),
         cos_little_ab,
-        0.012 * sin_little_ab,
+        L::splat(0.012) * sin_little_ab,
     );
     let little_fdp_5 = little_fdp_4 * little_fdp_4;
-    let little_fdp_6 = mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
-    let little_fdp_7 = 0.011 - little_fdp_6;
+    let little_fdp_6 = mul_add(
+        L::splat(0.01),
+        cos_little_mcp,
+        L::splat(0.012) * sin_little_mcp,
+    );
+    let little_fdp_7 = L::splat(0.011) - little_fdp_6;
     let little_fdp_8 = sqrt(
         mul_add(
             little_fdp_7,
@@ -3766,7 +4180,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(little_fdp_3, little_fdp_3, little_fdp_5),
         ),
     );
-    let little_fdp_9 = 1.0 / little_fdp_8;
+    let little_fdp_9 = L::splat(1.0) / little_fdp_8;
     let little_fdp_10 = little_fdp_3 * little_fdp_9;
     let little_fdp_11 = little_fdp_4 * little_fdp_9;
     let little_fdp_12 = mul_add(
@@ -3775,35 +4189,46 @@ fn evaluate_with_matrix_part_1(
         little_fdp_1 * little_fdp_11,
     );
     let little_fdp_13 = neg_mul_add(
-        1.1621999999999991e-5,
+        L::splat(1.1621999999999991e-5),
         cos_little_pip,
-        0.000156418 * sin_little_pip,
+        L::splat(0.000156418) * sin_little_pip,
     );
-    let little_fdp_14 = sqrt(neg_mul_add(2.0, little_fdp_13, 0.000323790404));
+    let little_fdp_14 = sqrt(
+        neg_mul_add(L::splat(2.0), little_fdp_13, L::splat(0.000323790404)),
+    );
     let little_fdp_15 = mul_add(
-        1.3619199999999997e-5,
+        L::splat(1.3619199999999997e-5),
         cos_little_dip,
-        6.9608e-5 * sin_little_dip,
+        L::splat(6.9608e-5) * sin_little_dip,
     );
-    let little_fdp_16 = sqrt(neg_mul_add(2.0, little_fdp_15, 0.00014204462400000002));
-    let little_fdp_17 = k_flexor
-        * (0.1069781758046222 + little_fdp_8 + little_fdp_14 + little_fdp_16
-            - rest_little_fdp);
-    let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
+    let little_fdp_16 = sqrt(
+        neg_mul_add(L::splat(2.0), little_fdp_15, L::splat(0.00014204462400000002)),
+    );
+    let little_fdp_17 = (L::splat(0.1069781758046222) + little_fdp_8 + little_fdp_14
+        + little_fdp_16 - rest_little_fdp) * c_2;
+    let little_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_little_mcp,
+        L::splat(0.0105) * sin_little_mcp,
+    );
     let little_edc_2 = mul_add(
-        0.003000000000000003,
+        L::splat(0.003000000000000003),
         cos_little_ab,
-        2.9815559743351372e-18 * sin_little_ab,
+        L::splat(2.9815559743351372e-18) * sin_little_ab,
     );
     let little_edc_3 = little_edc_2 + little_edc_1;
     let little_edc_4 = neg_mul_add(
-        2.9815559743351372e-18,
+        L::splat(2.9815559743351372e-18),
         cos_little_ab,
-        0.003000000000000003 * sin_little_ab,
+        L::splat(0.003000000000000003) * sin_little_ab,
     );
     let little_edc_5 = little_edc_4 * little_edc_4;
-    let little_edc_6 = mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
-    let little_edc_7 = -0.011 + little_edc_6;
+    let little_edc_6 = mul_sub(
+        L::splat(0.0105),
+        cos_little_mcp,
+        L::splat(0.003) * sin_little_mcp,
+    );
+    let little_edc_7 = L::splat(-0.011) + little_edc_6;
     let little_edc_8 = sqrt(
         mul_add(
             little_edc_7,
@@ -3811,7 +4236,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(little_edc_3, little_edc_3, little_edc_5),
         ),
     );
-    let little_edc_9 = 1.0 / little_edc_8;
+    let little_edc_9 = L::splat(1.0) / little_edc_8;
     let little_edc_10 = little_edc_3 * little_edc_9;
     let little_edc_11 = little_edc_4 * little_edc_9;
     let little_edc_12 = neg_mul_add(
@@ -3820,34 +4245,40 @@ fn evaluate_with_matrix_part_1(
         little_edc_2 * little_edc_11,
     );
     let little_edc_13 = mul_sub(
-        7.699999999999999e-5,
+        L::splat(7.699999999999999e-5),
         cos_little_pip,
-        3.6000000000000014e-5 * sin_little_pip,
+        L::splat(3.6000000000000014e-5) * sin_little_pip,
     );
-    let little_edc_14 = sqrt(neg_mul_add(2.0, little_edc_13, 0.00016999999999999999));
-    let little_edc_15 = k_extensor
-        * (0.12844554910897665 + little_edc_8 + little_edc_14 - rest_little_edc);
-    let little_interosseous_1 = 0.008 * cos_little_mcp;
+    let little_edc_14 = sqrt(
+        neg_mul_add(L::splat(2.0), little_edc_13, L::splat(0.00016999999999999999)),
+    );
+    let little_edc_15 = (L::splat(0.12844554910897665) + little_edc_8 + little_edc_14
+        - rest_little_edc) * c_3;
+    let little_interosseous_1 = L::splat(0.008) * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
-        0.001,
+        L::splat(0.001),
         sin_little_mcp,
         little_interosseous_1,
     );
     let little_interosseous_3 = mul_add(
-        0.008000000000000002,
+        L::splat(0.008000000000000002),
         cos_little_ab,
-        0.010999999999999996 * sin_little_ab,
+        L::splat(0.010999999999999996) * sin_little_ab,
     );
     let little_interosseous_4 = little_interosseous_3 + little_interosseous_2;
     let little_interosseous_5 = neg_mul_add(
-        0.010999999999999996,
+        L::splat(0.010999999999999996),
         cos_little_ab,
-        0.008000000000000002 * sin_little_ab,
+        L::splat(0.008000000000000002) * sin_little_ab,
     );
-    let little_interosseous_6 = -0.01 - little_interosseous_5;
-    let little_interosseous_7 = 0.008 * sin_little_mcp;
-    let little_interosseous_8 = mul_add(0.001, cos_little_mcp, little_interosseous_7);
-    let little_interosseous_9 = 0.001 - little_interosseous_8;
+    let little_interosseous_6 = L::splat(-0.01) - little_interosseous_5;
+    let little_interosseous_7 = L::splat(0.008) * sin_little_mcp;
+    let little_interosseous_8 = mul_add(
+        L::splat(0.001),
+        cos_little_mcp,
+        little_interosseous_7,
+    );
+    let little_interosseous_9 = L::splat(0.001) - little_interosseous_8;
     let little_interosseous_10 = mul_add(
         little_interosseous_9,
         little_interosseous_9,
@@ -3858,7 +4289,7 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let little_interosseous_11 = sqrt(little_interosseous_10);
-    let little_interosseous_12 = 1.0 / little_interosseous_11;
+    let little_interosseous_12 = L::splat(1.0) / little_interosseous_11;
     let little_interosseous_13 = little_interosseous_4 * little_interosseous_12;
     let little_interosseous_14 = little_interosseous_6 * little_interosseous_12;
     let little_interosseous_15 = mul_add(
@@ -3866,35 +4297,39 @@ fn evaluate_with_matrix_part_1(
         little_interosseous_13,
         little_interosseous_3 * little_interosseous_14,
     );
-    let little_interosseous_16 = k_intrinsic
-        * (0.03086243671520445 + little_interosseous_11 - rest_little_interosseous);
+    let little_interosseous_16 = (L::splat(0.03086243671520445) + little_interosseous_11
+        - rest_little_interosseous) * c_1;
     let little_ab_33 = mul_add(
         little_interosseous_15,
         little_interosseous_16,
-        mul_sub(little_fdp_12, little_fdp_17, little_edc_12 * little_edc_15),
+        neg_mul_add(little_edc_12, little_edc_15, little_fdp_12 * little_fdp_17),
     );
     let little_band_1 = neg_mul_add(
-        0.007999999999999998,
+        L::splat(0.007999999999999998),
         cos_little_ab,
-        0.01 * sin_little_ab,
+        L::splat(0.01) * sin_little_ab,
     );
-    let little_band_2 = neg_mul_add(0.005, sin_little_mcp, little_interosseous_1);
+    let little_band_2 = neg_mul_add(
+        L::splat(0.005),
+        sin_little_mcp,
+        little_interosseous_1,
+    );
     let little_band_3 = little_band_2 - little_band_1;
     let little_band_4 = mul_add(
-        0.01,
+        L::splat(0.01),
         cos_little_ab,
-        0.007999999999999998 * sin_little_ab,
+        L::splat(0.007999999999999998) * sin_little_ab,
     );
-    let little_band_5 = 0.009 - little_band_4;
-    let little_band_6 = mul_add(0.005, cos_little_mcp, little_interosseous_7);
-    let little_band_7 = 0.005 - little_band_6;
+    let little_band_5 = L::splat(0.009) - little_band_4;
+    let little_band_6 = mul_add(L::splat(0.005), cos_little_mcp, little_interosseous_7);
+    let little_band_7 = L::splat(0.005) - little_band_6;
     let little_band_8 = mul_add(
         little_band_7,
         little_band_7,
         mul_add(little_band_3, little_band_3, little_band_5 * little_band_5),
     );
     let little_band_9 = sqrt(little_band_8);
-    let little_band_10 = 1.0 / little_band_9;
+    let little_band_10 = L::splat(1.0) / little_band_9;
     let little_band_11 = little_band_3 * little_band_10;
     let little_band_12 = little_band_5 * little_band_10;
     let little_band_13 = neg_mul_add(
@@ -3903,30 +4338,33 @@ fn evaluate_with_matrix_part_1(
         little_band_1 * little_band_12,
     );
     let little_band_14 = mul_sub(
-        2.7e-5,
+        L::splat(2.7e-5),
         cos_little_pip,
-        3.5999999999999994e-5 * sin_little_pip,
+        L::splat(3.5999999999999994e-5) * sin_little_pip,
     );
-    let little_band_15 = sqrt(neg_mul_add(2.0, little_band_14, 8.999999999999998e-5));
+    let little_band_15 = sqrt(
+        neg_mul_add(L::splat(2.0), little_band_14, L::splat(8.999999999999998e-5)),
+    );
     let little_band_16 = mul_sub(
-        3.825e-5,
+        L::splat(3.825e-5),
         cos_little_dip,
-        2.5999999999999988e-5 * sin_little_dip,
+        L::splat(2.5999999999999988e-5) * sin_little_dip,
     );
-    let little_band_17 = sqrt(neg_mul_add(2.0, little_band_16, 9.649999999999999e-5));
-    let little_band_18 = k_intrinsic
-        * (0.06932376200206641 + little_band_9 + little_band_15 + little_band_17
-            - rest_little_band);
-    force[coordinate::LITTLE_AB] = neg_mul_add(
-        damping,
+    let little_band_17 = sqrt(
+        neg_mul_add(L::splat(2.0), little_band_16, L::splat(9.649999999999999e-5)),
+    );
+    let little_band_18 = (L::splat(0.06932376200206641) + little_band_9 + little_band_15
+        + little_band_17 - rest_little_band) * c_1;
+    force[12] = neg_mul_add(
         v_little_ab,
+        c_0,
         neg_mul_add(little_band_13, little_band_18, little_ab_33),
     );
     let little_mcp_10 = little_ab_16 + little_ab_4;
-    let little_mcp_11 = 0.00014965563926121566 + little_mcp_10;
-    let little_mcp_12 = 9.81 * cos_little_mcp;
+    let little_mcp_11 = L::splat(0.00014965563926121566) + little_mcp_10;
+    let little_mcp_12 = L::splat(9.81) * cos_little_mcp;
     let little_mcp_13 = little_ab_28 + little_ab_23;
-    let little_mcp_14 = 9.81 * sin_little_mcp;
+    let little_mcp_14 = L::splat(9.81) * sin_little_mcp;
     let little_mcp_15 = little_mcp_13 * little_mcp_14;
     let little_mcp_16 = mul_sub(little_mcp_11, little_mcp_12, little_mcp_15)
         - mul_add(little_ab_7, little_ab_32, little_ab_12 * little_ab_22);
@@ -3963,38 +4401,46 @@ fn evaluate_with_matrix_part_1(
         little_band_11,
         little_band_2 * little_band_19,
     );
-    force[coordinate::LITTLE_MCP] = neg_mul_add(
-        damping,
+    force[13] = neg_mul_add(
         v_little_mcp,
+        c_0,
         mul_add(little_band_20, little_band_18, little_mcp_17),
     );
     let little_pip_3 = mul_sub(little_ab_12, little_ab_23, little_ab_7 * little_ab_4);
     let little_pip_4 = mul_sub(little_ab_12, little_ab_28, little_ab_7 * little_ab_16)
         + little_pip_3;
-    let little_pip_5 = 0.0327 * little_ab_12;
+    let little_pip_5 = L::splat(0.0327) * little_ab_12;
     let little_pip_6 = neg_mul_add(little_mcp_2, little_ab_28, little_dip_1);
-    let little_pip_7 = 0.0327 * v_little_mcp;
+    let little_pip_7 = L::splat(0.0327) * v_little_mcp;
     let little_pip_8 = mul_sub(little_pip_7, little_pip_6, little_pip_5 * little_pip_4)
         - mul_add(little_ab_7, little_ab_31, little_ab_12 * little_ab_21);
     let little_pip_9 = little_pip_8
         + neg_mul_add(
-            0.0021532675088961877,
+            L::splat(0.0021532675088961877),
             cos_little_mcp,
             mul_sub(little_mcp_10, little_mcp_12, little_mcp_15),
         );
-    let little_fdp_20 = 1.0 / little_fdp_14;
+    let little_fdp_20 = L::splat(1.0) / little_fdp_14;
     let little_fdp_21 = little_fdp_20
-        * mul_add(1.1621999999999991e-5, sin_little_pip, 0.000156418 * cos_little_pip);
-    let little_edc_18 = 1.0 / little_edc_14;
+        * mul_add(
+            L::splat(1.1621999999999991e-5),
+            sin_little_pip,
+            L::splat(0.000156418) * cos_little_pip,
+        );
+    let little_edc_18 = L::splat(1.0) / little_edc_14;
     let little_edc_19 = little_edc_18
         * mul_add(
-            7.699999999999999e-5,
+            L::splat(7.699999999999999e-5),
             sin_little_pip,
-            3.6000000000000014e-5 * cos_little_pip,
+            L::splat(3.6000000000000014e-5) * cos_little_pip,
         );
-    let little_band_21 = 1.0 / little_band_15;
+    let little_band_21 = L::splat(1.0) / little_band_15;
     let little_band_22 = little_band_21
-        * mul_add(2.7e-5, sin_little_pip, 3.5999999999999994e-5 * cos_little_pip);
+        * mul_add(
+            L::splat(2.7e-5),
+            sin_little_pip,
+            L::splat(3.5999999999999994e-5) * cos_little_pip,
+        );
     let little_pip_10 = neg_mul_add(
         little_band_22,
         little_band_18,
@@ -4004,7 +4450,7 @@ fn evaluate_with_matrix_part_1(
             mul_add(little_fdp_21, little_fdp_17, little_pip_9),
         ),
     );
-    force[coordinate::LITTLE_PIP] = neg_mul_add(damping, v_little_pip, little_pip_10);
+    force[14] = neg_mul_add(v_little_pip, c_0, little_pip_10);
     let little_dip_2 = mul_add(little_ab_8, little_ab_7, little_ab_2 * little_ab_12);
     let little_dip_3 = mul_sub(little_ab_2, little_mcp_2, little_mcp_4);
     let little_dip_4 = little_ab_8 * little_mcp_2;
@@ -4015,171 +4461,197 @@ fn evaluate_with_matrix_part_1(
     );
     let little_dip_6 = mul_sub(
         little_ab_8,
-        0.026578326238711772 * sin_little_mcp,
-        little_ab_2 * (0.026578326238711772 * cos_little_mcp),
+        L::splat(0.026578326238711772) * sin_little_mcp,
+        little_ab_2 * (L::splat(0.026578326238711772) * cos_little_mcp),
     );
     let little_dip_7 = little_dip_5
         - mul_add(little_ab_7, little_ab_27, little_ab_12 * little_ab_14)
         + (neg_mul_add(little_ab_23, little_mcp_14, little_ab_4 * little_mcp_12)
             + little_dip_6);
-    let little_fdp_22 = 1.0 / little_fdp_16;
+    let little_fdp_22 = L::splat(1.0) / little_fdp_16;
     let little_fdp_23 = little_fdp_22
-        * mul_sub(1.3619199999999997e-5, sin_little_dip, 6.9608e-5 * cos_little_dip);
-    let little_band_23 = 1.0 / little_band_17;
+        * mul_sub(
+            L::splat(1.3619199999999997e-5),
+            sin_little_dip,
+            L::splat(6.9608e-5) * cos_little_dip,
+        );
+    let little_band_23 = L::splat(1.0) / little_band_17;
     let little_band_24 = little_band_23
-        * mul_add(3.825e-5, sin_little_dip, 2.5999999999999988e-5 * cos_little_dip);
-    force[coordinate::LITTLE_DIP] = neg_mul_add(
-        damping,
+        * mul_add(
+            L::splat(3.825e-5),
+            sin_little_dip,
+            L::splat(2.5999999999999988e-5) * cos_little_dip,
+        );
+    force[15] = neg_mul_add(
         v_little_dip,
+        c_0,
         neg_mul_add(
             little_band_24,
             little_band_18,
             neg_mul_add(little_fdp_23, little_fdp_17, little_dip_7),
         ),
     );
-    let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
-    let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
+    let thumb_fpl_1 = L::splat(0.012) * sin_thumb_cmc;
+    let thumb_fpl_2 = L::splat(0.012) * cos_thumb_cmc;
     let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
     let thumb_fpl_4 = mul_add(
-        0.008000000000000004,
+        L::splat(0.008000000000000004),
         cos_thumb_ab,
-        0.0029999999999999996 * sin_thumb_ab,
+        L::splat(0.0029999999999999996) * sin_thumb_ab,
     );
     let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
     let thumb_fpl_6 = neg_mul_add(
-        0.0029999999999999996,
+        L::splat(0.0029999999999999996),
         cos_thumb_ab,
-        0.008000000000000004 * sin_thumb_ab,
+        L::splat(0.008000000000000004) * sin_thumb_ab,
     );
-    let thumb_fpl_7 = -0.002 - thumb_fpl_6;
+    let thumb_fpl_7 = L::splat(-0.002) - thumb_fpl_6;
     let thumb_fpl_8 = thumb_fpl_2 + thumb_fpl_1;
-    let thumb_fpl_9 = 0.012000000000000004 - thumb_fpl_8;
+    let thumb_fpl_9 = L::splat(0.012000000000000004) - thumb_fpl_8;
     let thumb_fpl_10 = mul_add(
         thumb_fpl_9,
         thumb_fpl_9,
         mul_add(thumb_fpl_5, thumb_fpl_5, thumb_fpl_7 * thumb_fpl_7),
     );
     let thumb_fpl_11 = sqrt(thumb_fpl_10);
-    let thumb_fpl_12 = 1.0 / thumb_fpl_11;
+    let thumb_fpl_12 = L::splat(1.0) / thumb_fpl_11;
     let thumb_fpl_13 = thumb_fpl_5 * thumb_fpl_12;
     let thumb_fpl_14 = thumb_fpl_7 * thumb_fpl_12;
     let thumb_fpl_15 = mul_add(thumb_fpl_6, thumb_fpl_13, thumb_fpl_4 * thumb_fpl_14);
-    work[56] = thumb_fpl_15;
+    work[41] = thumb_fpl_15;
     let thumb_fpl_16 = mul_add(
-        9.999999999999972e-6,
+        L::splat(9.999999999999972e-6),
         cos_thumb_mcp,
-        0.00021 * sin_thumb_mcp,
+        L::splat(0.00021) * sin_thumb_mcp,
     );
-    work[66] = thumb_fpl_16;
-    let thumb_fpl_17 = sqrt(neg_mul_add(2.0, thumb_fpl_16, 0.00042100000000000004));
+    work[51] = thumb_fpl_16;
+    let thumb_fpl_17 = sqrt(
+        neg_mul_add(L::splat(2.0), thumb_fpl_16, L::splat(0.00042100000000000004)),
+    );
     let thumb_fpl_18 = neg_mul_add(
-        4.799999999999981e-6,
+        L::splat(4.799999999999981e-6),
         cos_thumb_ip,
-        0.00014879999999999998 * sin_thumb_ip,
+        L::splat(0.00014879999999999998) * sin_thumb_ip,
     );
-    work[84] = thumb_fpl_18;
-    let thumb_fpl_19 = sqrt(neg_mul_add(2.0, thumb_fpl_18, 0.00030115999999999997));
-    let thumb_fpl_20 = k_flexor
-        * (0.0774786774042295 + thumb_fpl_11 + thumb_fpl_17 + thumb_fpl_19
-            - rest_thumb_fpl);
+    work[71] = thumb_fpl_18;
+    let thumb_fpl_19 = sqrt(
+        neg_mul_add(L::splat(2.0), thumb_fpl_18, L::splat(0.00030115999999999997)),
+    );
+    let thumb_fpl_20 = (L::splat(0.0774786774042295) + thumb_fpl_11 + thumb_fpl_17
+        + thumb_fpl_19 - rest_thumb_fpl) * c_2;
     let thumb_ab_33 = thumb_ab_16 + thumb_ab_4;
-    work[23] = thumb_ab_33;
-    let thumb_ab_34 = 0.00044625375511580167 + thumb_ab_33;
-    let thumb_ab_35 = 9.81
-        * mul_sub(0.19866933079506122, sin_thumb_ab, 0.8246975884333746 * cos_thumb_ab);
+    work[6] = thumb_ab_33;
+    let thumb_ab_34 = L::splat(0.00044625375511580167) + thumb_ab_33;
+    let thumb_ab_35 = L::splat(9.81)
+        * mul_sub(
+            L::splat(0.19866933079506122),
+            sin_thumb_ab,
+            L::splat(0.8246975884333746) * cos_thumb_ab,
+        );
     let thumb_ab_36 = thumb_ab_28 + thumb_ab_23;
-    work[29] = thumb_ab_36;
+    work[12] = thumb_ab_36;
     let thumb_ab_37 = thumb_ab_36 * thumb_ab_35;
     let thumb_ab_38 = mul_add(
         thumb_fpl_15,
         thumb_fpl_20,
         mul_sub(sin_thumb_cmc, thumb_ab_37, cos_thumb_cmc * (thumb_ab_34 * thumb_ab_35)),
     );
-    let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = mul_add(0.004, cos_thumb_ab, 0.008 * sin_thumb_ab);
+    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, thumb_fpl_1);
+    let thumb_epl_2 = mul_add(
+        L::splat(0.004),
+        cos_thumb_ab,
+        L::splat(0.008) * sin_thumb_ab,
+    );
     let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
-    let thumb_epl_4 = neg_mul_add(0.008, cos_thumb_ab, 0.004 * sin_thumb_ab);
-    let thumb_epl_5 = -0.008 - thumb_epl_4;
-    let thumb_epl_6 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_7 = -0.012000000000000004 + thumb_epl_6;
+    let thumb_epl_4 = neg_mul_add(
+        L::splat(0.008),
+        cos_thumb_ab,
+        L::splat(0.004) * sin_thumb_ab,
+    );
+    let thumb_epl_5 = L::splat(-0.008) - thumb_epl_4;
+    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_7 = L::splat(-0.012000000000000004) + thumb_epl_6;
     let thumb_epl_8 = mul_add(
         thumb_epl_7,
         thumb_epl_7,
         mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
     );
     let thumb_epl_9 = sqrt(thumb_epl_8);
-    let thumb_epl_10 = 1.0 / thumb_epl_9;
+    let thumb_epl_10 = L::splat(1.0) / thumb_epl_9;
     let thumb_epl_11 = thumb_epl_3 * thumb_epl_10;
     let thumb_epl_12 = thumb_epl_5 * thumb_epl_10;
     let thumb_epl_13 = mul_add(thumb_epl_4, thumb_epl_11, thumb_epl_2 * thumb_epl_12);
-    work[55] = thumb_epl_13;
+    work[40] = thumb_epl_13;
     let thumb_epl_14 = mul_sub(
-        0.00011549999999999999,
+        L::splat(0.00011549999999999999),
         cos_thumb_mcp,
-        5.17e-5 * sin_thumb_mcp,
+        L::splat(5.17e-5) * sin_thumb_mcp,
     );
-    work[70] = thumb_epl_14;
-    let thumb_epl_15 = sqrt(neg_mul_add(2.0, thumb_epl_14, 0.00025309000000000003));
+    work[55] = thumb_epl_14;
+    let thumb_epl_15 = sqrt(
+        neg_mul_add(L::splat(2.0), thumb_epl_14, L::splat(0.00025309000000000003)),
+    );
     let thumb_epl_16 = mul_sub(
-        9.475e-5,
+        L::splat(9.475e-5),
         cos_thumb_ip,
-        4.6000000000000014e-5 * sin_thumb_ip,
+        L::splat(4.6000000000000014e-5) * sin_thumb_ip,
     );
-    work[87] = thumb_epl_16;
-    let thumb_epl_17 = sqrt(neg_mul_add(2.0, thumb_epl_16, 0.00021066000000000002));
-    let thumb_epl_18 = k_extensor
-        * (0.10924140044546013 + thumb_epl_9 + thumb_epl_15 + thumb_epl_17
-            - rest_thumb_epl);
+    work[74] = thumb_epl_16;
+    let thumb_epl_17 = sqrt(
+        neg_mul_add(L::splat(2.0), thumb_epl_16, L::splat(0.00021066000000000002)),
+    );
+    let thumb_epl_18 = (L::splat(0.10924140044546013) + thumb_epl_9 + thumb_epl_15
+        + thumb_epl_17 - rest_thumb_epl) * c_3;
     let thumb_epb_1 = neg_mul_add(
-        0.003999999999999999,
+        L::splat(0.003999999999999999),
         cos_thumb_ab,
-        0.005000000000000001 * sin_thumb_ab,
+        L::splat(0.005000000000000001) * sin_thumb_ab,
     );
     let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
     let thumb_epb_3 = mul_add(
-        0.005000000000000001,
+        L::splat(0.005000000000000001),
         cos_thumb_ab,
-        0.003999999999999999 * sin_thumb_ab,
+        L::splat(0.003999999999999999) * sin_thumb_ab,
     );
-    let thumb_epb_4 = 0.005 - thumb_epb_3;
+    let thumb_epb_4 = L::splat(0.005) - thumb_epb_3;
     let thumb_epb_5 = mul_add(
         thumb_epl_7,
         thumb_epl_7,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
     let thumb_epb_6 = sqrt(thumb_epb_5);
-    let thumb_epb_7 = 1.0 / thumb_epb_6;
+    let thumb_epb_7 = L::splat(1.0) / thumb_epb_6;
     let thumb_epb_8 = thumb_epb_2 * thumb_epb_7;
     let thumb_epb_9 = thumb_epb_4 * thumb_epb_7;
     let thumb_epb_10 = neg_mul_add(thumb_epb_3, thumb_epb_8, thumb_epb_1 * thumb_epb_9);
-    work[61] = thumb_epb_10;
-    let thumb_epb_11 = k_intrinsic
-        * (thumb_epl_15 + (0.07536380062479958 + thumb_epb_6) - rest_thumb_epb);
+    work[46] = thumb_epb_10;
+    let thumb_epb_11 = (thumb_epl_15 + (L::splat(0.07536380062479958) + thumb_epb_6)
+        - rest_thumb_epb) * c_1;
     let thumb_apl_1 = neg_mul_add(
-        0.007000000000000001,
+        L::splat(0.007000000000000001),
         cos_thumb_ab,
-        0.012000000000000004 * sin_thumb_ab,
+        L::splat(0.012000000000000004) * sin_thumb_ab,
     );
-    let thumb_apl_2 = 0.006 * cos_thumb_cmc;
-    let thumb_apl_3 = mul_add(0.004, sin_thumb_cmc, thumb_apl_2);
+    let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
+    let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-        0.012000000000000004,
+        L::splat(0.012000000000000004),
         cos_thumb_ab,
-        0.007000000000000001 * sin_thumb_ab,
+        L::splat(0.007000000000000001) * sin_thumb_ab,
     );
-    let thumb_apl_6 = 0.012 - thumb_apl_5;
-    let thumb_apl_7 = 0.006 * sin_thumb_cmc;
-    let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = -0.005 + thumb_apl_8;
+    let thumb_apl_6 = L::splat(0.012) - thumb_apl_5;
+    let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
+    let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
+    let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
     let thumb_apl_11 = sqrt(thumb_apl_10);
-    let thumb_apl_12 = 1.0 / thumb_apl_11;
+    let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
     let thumb_apl_13 = thumb_apl_4 * thumb_apl_12;
     let thumb_apl_14 = thumb_apl_6 * thumb_apl_12;
     let thumb_apl_15 = neg_mul_add(
@@ -4187,8 +4659,8 @@ fn evaluate_with_matrix_part_1(
         thumb_apl_13,
         thumb_apl_1 * thumb_apl_14,
     );
-    let thumb_apl_16 = k_intrinsic
-        * (0.030550892117392127 + thumb_apl_11 - rest_thumb_apl);
+    let thumb_apl_16 = (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl)
+        * c_1;
     let thumb_ab_39 = neg_mul_add(
         thumb_apl_15,
         thumb_apl_16,
@@ -4199,27 +4671,35 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let thumb_apb_1 = neg_mul_add(
-        0.00874910502142235,
+        L::splat(0.00874910502142235),
         cos_thumb_ab,
-        0.003271760106466037 * sin_thumb_ab,
+        L::splat(0.003271760106466037) * sin_thumb_ab,
     );
-    let thumb_apb_2 = mul_sub(0.03, cos_thumb_cmc, 0.007 * sin_thumb_cmc);
+    let thumb_apb_2 = mul_sub(
+        L::splat(0.03),
+        cos_thumb_cmc,
+        L::splat(0.007) * sin_thumb_cmc,
+    );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-        0.003271760106466037,
+        L::splat(0.003271760106466037),
         cos_thumb_ab,
-        0.00874910502142235 * sin_thumb_ab,
+        L::splat(0.00874910502142235) * sin_thumb_ab,
     );
-    let thumb_apb_5 = 0.009 - thumb_apb_4;
-    let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
-    let thumb_apb_7 = 0.01329468868119369 - thumb_apb_6;
+    let thumb_apb_5 = L::splat(0.009) - thumb_apb_4;
+    let thumb_apb_6 = mul_add(
+        L::splat(0.007),
+        cos_thumb_cmc,
+        L::splat(0.03) * sin_thumb_cmc,
+    );
+    let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
         mul_add(thumb_apb_3, thumb_apb_3, thumb_apb_5 * thumb_apb_5),
     );
     let thumb_apb_9 = sqrt(thumb_apb_8);
-    let thumb_apb_10 = 1.0 / thumb_apb_9;
+    let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
     let thumb_apb_11 = thumb_apb_3 * thumb_apb_10;
     let thumb_apb_12 = thumb_apb_5 * thumb_apb_10;
     let thumb_apb_13 = neg_mul_add(
@@ -4227,76 +4707,96 @@ fn evaluate_with_matrix_part_1(
         thumb_apb_11,
         thumb_apb_1 * thumb_apb_12,
     );
-    work[60] = thumb_apb_13;
+    work[45] = thumb_apb_13;
     let thumb_apb_14 = neg_mul_add(
-        2.9599999999999994e-5,
+        L::splat(2.9599999999999994e-5),
         cos_thumb_mcp,
-        9.72e-5 * sin_thumb_mcp,
+        L::splat(9.72e-5) * sin_thumb_mcp,
     );
-    work[74] = thumb_apb_14;
-    let thumb_apb_15 = sqrt(neg_mul_add(2.0, thumb_apb_14, 0.00020423999999999998));
-    let thumb_apb_16 = k_intrinsic
-        * (0.008062257748298557 + thumb_apb_9 + thumb_apb_15 - rest_thumb_apb);
-    let thumb_opp_1 = mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
+    work[59] = thumb_apb_14;
+    let thumb_apb_15 = sqrt(
+        neg_mul_add(L::splat(2.0), thumb_apb_14, L::splat(0.00020423999999999998)),
+    );
+    let thumb_apb_16 = (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_15
+        - rest_thumb_apb) * c_1;
+    let thumb_opp_1 = mul_sub(
+        L::splat(0.028),
+        cos_thumb_cmc,
+        L::splat(0.01) * sin_thumb_cmc,
+    );
     let thumb_opp_2 = mul_add(
-        0.009538977305795334,
+        L::splat(0.009538977305795334),
         cos_thumb_ab,
-        0.00046527292621430325 * sin_thumb_ab,
+        L::splat(0.00046527292621430325) * sin_thumb_ab,
     );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        0.00046527292621430325,
+        L::splat(0.00046527292621430325),
         cos_thumb_ab,
-        0.009538977305795334 * sin_thumb_ab,
+        L::splat(0.009538977305795334) * sin_thumb_ab,
     );
-    let thumb_opp_5 = 0.004 - thumb_opp_4;
-    let thumb_opp_6 = mul_add(0.01, cos_thumb_cmc, 0.028 * sin_thumb_cmc);
-    let thumb_opp_7 = 0.01941111622405197 - thumb_opp_6;
+    let thumb_opp_5 = L::splat(0.004) - thumb_opp_4;
+    let thumb_opp_6 = mul_add(
+        L::splat(0.01),
+        cos_thumb_cmc,
+        L::splat(0.028) * sin_thumb_cmc,
+    );
+    let thumb_opp_7 = L::splat(0.01941111622405197) - thumb_opp_6;
     let thumb_opp_8 = mul_add(
         thumb_opp_7,
         thumb_opp_7,
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
     let thumb_opp_9 = sqrt(thumb_opp_8);
-    let thumb_opp_10 = 1.0 / thumb_opp_9;
+    let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
     let thumb_opp_11 = thumb_opp_3 * thumb_opp_10;
     let thumb_opp_12 = thumb_opp_5 * thumb_opp_10;
     let thumb_opp_13 = mul_add(thumb_opp_4, thumb_opp_11, thumb_opp_2 * thumb_opp_12);
-    let thumb_opp_14 = k_intrinsic * (thumb_opp_9 - rest_thumb_opp);
+    let thumb_opp_14 = (thumb_opp_9 - rest_thumb_opp) * c_1;
     let thumb_adp_1 = mul_sub(
-        0.025486067515228545,
+        L::splat(0.025486067515228545),
         cos_thumb_ab,
-        0.029821276684971594 * sin_thumb_ab,
+        L::splat(0.029821276684971594) * sin_thumb_ab,
     );
-    let thumb_adp_2 = mul_sub(0.038000000000000006, cos_thumb_cmc, thumb_apl_7);
-    work[11] = thumb_adp_2;
+    let thumb_adp_2 = mul_sub(
+        L::splat(0.038000000000000006),
+        cos_thumb_cmc,
+        thumb_apl_7,
+    );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-        0.029821276684971594,
+        L::splat(0.029821276684971594),
         cos_thumb_ab,
-        0.025486067515228545 * sin_thumb_ab,
+        L::splat(0.025486067515228545) * sin_thumb_ab,
     );
-    let thumb_adp_5 = -0.009 + thumb_adp_4;
-    let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
-    work[10] = thumb_adp_6;
-    let thumb_adp_7 = 0.04065896972978512 - thumb_adp_6;
+    let thumb_adp_5 = L::splat(-0.009) + thumb_adp_4;
+    let thumb_adp_6 = mul_add(
+        L::splat(0.038000000000000006),
+        sin_thumb_cmc,
+        thumb_apl_2,
+    );
+    let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
     let thumb_adp_9 = sqrt(thumb_adp_8);
-    let thumb_adp_10 = 1.0 / thumb_adp_9;
-    work[12] = thumb_adp_10;
+    let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
     let thumb_adp_11 = thumb_adp_3 * thumb_adp_10;
-    work[13] = thumb_adp_11;
     let thumb_adp_12 = thumb_adp_5 * thumb_adp_10;
     let thumb_adp_13 = mul_add(thumb_adp_4, thumb_adp_11, thumb_adp_1 * thumb_adp_12);
-    work[59] = thumb_adp_13;
-    let thumb_adp_14 = neg_mul_add(3.56e-5, cos_thumb_mcp, 8.9e-5 * sin_thumb_mcp);
-    work[78] = thumb_adp_14;
-    let thumb_adp_15 = sqrt(neg_mul_add(2.0, thumb_adp_14, 0.00019224000000000004));
-    let thumb_adp_16 = k_intrinsic * (thumb_adp_9 + thumb_adp_15 - rest_thumb_adp);
+    work[44] = thumb_adp_13;
+    let thumb_adp_14 = neg_mul_add(
+        L::splat(3.56e-5),
+        cos_thumb_mcp,
+        L::splat(8.9e-5) * sin_thumb_mcp,
+    );
+    work[64] = thumb_adp_14;
+    let thumb_adp_15 = sqrt(
+        neg_mul_add(L::splat(2.0), thumb_adp_14, L::splat(0.00019224000000000004)),
+    );
+    let thumb_adp_16 = (thumb_adp_9 + thumb_adp_15 - rest_thumb_adp) * c_1;
     let thumb_ab_40 = neg_mul_add(
         thumb_adp_13,
         thumb_adp_16,
@@ -4306,35 +4806,43 @@ fn evaluate_with_matrix_part_1(
             neg_mul_add(thumb_apb_13, thumb_apb_16, thumb_ab_39),
         ),
     );
-    force[coordinate::THUMB_AB] = neg_mul_add(damping, v_thumb_ab, thumb_ab_40);
+    force[16] = neg_mul_add(v_thumb_ab, c_0, thumb_ab_40);
     let thumb_cmc_10 = mul_add(
-        0.19866933079506122,
+        L::splat(0.19866933079506122),
         cos_thumb_ab * sin_thumb_cmc,
-        0.8246975884333746 * (sin_thumb_ab * sin_thumb_cmc),
+        L::splat(0.8246975884333746) * (sin_thumb_ab * sin_thumb_cmc),
     );
-    let thumb_cmc_11 = mul_sub(0.5295322319119196, cos_thumb_cmc, thumb_cmc_10);
-    let thumb_cmc_12 = 9.81 * thumb_cmc_11;
-    work[47] = thumb_cmc_12;
+    let thumb_cmc_11 = mul_sub(
+        L::splat(0.5295322319119196),
+        cos_thumb_cmc,
+        thumb_cmc_10,
+    );
+    let thumb_cmc_12 = L::splat(9.81) * thumb_cmc_11;
+    work[32] = thumb_cmc_12;
     let thumb_cmc_13 = mul_add(
-        0.19866933079506122,
+        L::splat(0.19866933079506122),
         cos_thumb_ab * cos_thumb_cmc,
-        0.8246975884333746 * (sin_thumb_ab * cos_thumb_cmc),
+        L::splat(0.8246975884333746) * (sin_thumb_ab * cos_thumb_cmc),
     );
-    let thumb_cmc_14 = mul_add(0.5295322319119196, sin_thumb_cmc, thumb_cmc_13);
-    let thumb_cmc_15 = 9.81 * thumb_cmc_14;
-    work[25] = thumb_cmc_15;
+    let thumb_cmc_14 = mul_add(
+        L::splat(0.5295322319119196),
+        sin_thumb_cmc,
+        thumb_cmc_13,
+    );
+    let thumb_cmc_15 = L::splat(9.81) * thumb_cmc_14;
+    work[8] = thumb_cmc_15;
     let thumb_cmc_16 = thumb_ab_36 * thumb_cmc_15;
     let thumb_cmc_17 = mul_sub(thumb_ab_34, thumb_cmc_12, thumb_cmc_16)
         - mul_add(thumb_ab_7, thumb_ab_32, thumb_ab_12 * thumb_ab_22);
     let thumb_fpl_21 = thumb_fpl_9 * thumb_fpl_12;
     let thumb_fpl_22 = mul_add(thumb_fpl_8, thumb_fpl_13, thumb_fpl_3 * thumb_fpl_21);
-    work[33] = thumb_fpl_22;
+    work[16] = thumb_fpl_22;
     let thumb_epl_19 = thumb_epl_7 * thumb_epl_10;
     let thumb_epl_20 = mul_sub(thumb_epl_6, thumb_epl_11, thumb_epl_1 * thumb_epl_19);
-    work[31] = thumb_epl_20;
+    work[14] = thumb_epl_20;
     let thumb_epb_12 = thumb_epl_7 * thumb_epb_7;
     let thumb_epb_13 = mul_sub(thumb_epl_6, thumb_epb_8, thumb_epl_1 * thumb_epb_12);
-    work[37] = thumb_epb_13;
+    work[22] = thumb_epb_13;
     let thumb_cmc_18 = neg_mul_add(
         thumb_epb_13,
         thumb_epb_11,
@@ -4348,10 +4856,9 @@ fn evaluate_with_matrix_part_1(
     let thumb_apl_18 = mul_sub(thumb_apl_8, thumb_apl_13, thumb_apl_3 * thumb_apl_17);
     let thumb_apb_17 = thumb_apb_7 * thumb_apb_10;
     let thumb_apb_18 = mul_add(thumb_apb_6, thumb_apb_11, thumb_apb_2 * thumb_apb_17);
-    work[1] = thumb_apb_18;
+    work[20] = thumb_apb_18;
     let thumb_opp_15 = thumb_opp_7 * thumb_opp_10;
     let thumb_opp_16 = mul_add(thumb_opp_6, thumb_opp_11, thumb_opp_1 * thumb_opp_15);
-    work[5] = thumb_opp_16;
     let thumb_cmc_19 = mul_add(
         thumb_opp_16,
         thumb_opp_14,
@@ -4362,41 +4869,48 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let thumb_adp_17 = thumb_adp_7 * thumb_adp_10;
-    work[14] = thumb_adp_17;
     let thumb_adp_18 = mul_add(thumb_adp_6, thumb_adp_11, thumb_adp_2 * thumb_adp_17);
-    work[9] = thumb_adp_18;
-    force[coordinate::THUMB_CMC] = neg_mul_add(
-        damping,
+    work[18] = thumb_adp_18;
+    force[17] = neg_mul_add(
         v_thumb_cmc,
+        c_0,
         mul_add(thumb_adp_18, thumb_adp_16, thumb_cmc_19),
     );
     let thumb_mcp_3 = mul_sub(thumb_ab_12, thumb_ab_23, thumb_ab_7 * thumb_ab_4);
     let thumb_mcp_4 = mul_sub(thumb_ab_12, thumb_ab_28, thumb_ab_7 * thumb_ab_16)
         + thumb_mcp_3;
-    let thumb_mcp_5 = 0.046200000000000005 * thumb_ab_12;
-    work[63] = thumb_mcp_5;
+    let thumb_mcp_5 = L::splat(0.046200000000000005) * thumb_ab_12;
+    work[48] = thumb_mcp_5;
     let thumb_mcp_6 = neg_mul_add(thumb_cmc_2, thumb_ab_28, thumb_ip_1);
-    work[30] = thumb_mcp_6;
-    let thumb_mcp_7 = 0.046200000000000005 * v_thumb_cmc;
-    work[28] = thumb_mcp_7;
+    work[13] = thumb_mcp_6;
+    let thumb_mcp_7 = L::splat(0.046200000000000005) * v_thumb_cmc;
+    work[11] = thumb_mcp_7;
     let thumb_mcp_8 = mul_sub(thumb_mcp_7, thumb_mcp_6, thumb_mcp_5 * thumb_mcp_4)
         - mul_add(thumb_ab_7, thumb_ab_31, thumb_ab_12 * thumb_ab_21);
     let thumb_mcp_9 = thumb_mcp_8
         + neg_mul_add(
-            0.007702213844920938,
+            L::splat(0.007702213844920938),
             thumb_cmc_11,
             mul_sub(thumb_ab_33, thumb_cmc_12, thumb_cmc_16),
         );
-    let thumb_fpl_23 = 1.0 / thumb_fpl_17;
-    work[65] = thumb_fpl_23;
+    let thumb_fpl_23 = L::splat(1.0) / thumb_fpl_17;
+    work[50] = thumb_fpl_23;
     let thumb_fpl_24 = thumb_fpl_23
-        * mul_sub(9.999999999999972e-6, sin_thumb_mcp, 0.00021 * cos_thumb_mcp);
-    work[64] = thumb_fpl_24;
-    let thumb_epl_21 = 1.0 / thumb_epl_15;
-    work[68] = thumb_epl_21;
+        * mul_sub(
+            L::splat(9.999999999999972e-6),
+            sin_thumb_mcp,
+            L::splat(0.00021) * cos_thumb_mcp,
+        );
+    work[49] = thumb_fpl_24;
+    let thumb_epl_21 = L::splat(1.0) / thumb_epl_15;
+    work[53] = thumb_epl_21;
     let thumb_epl_22 = thumb_epl_21
-        * mul_add(0.00011549999999999999, sin_thumb_mcp, 5.17e-5 * cos_thumb_mcp);
-    work[69] = thumb_epl_22;
+        * mul_add(
+            L::splat(0.00011549999999999999),
+            sin_thumb_mcp,
+            L::splat(5.17e-5) * cos_thumb_mcp,
+        );
+    work[54] = thumb_epl_22;
     let thumb_mcp_10 = neg_mul_add(
         thumb_epl_22,
         thumb_epb_11,
@@ -4406,19 +4920,23 @@ fn evaluate_with_matrix_part_1(
             neg_mul_add(thumb_fpl_24, thumb_fpl_20, thumb_mcp_9),
         ),
     );
-    let thumb_apb_19 = 1.0 / thumb_apb_15;
-    work[73] = thumb_apb_19;
+    let thumb_apb_19 = L::splat(1.0) / thumb_apb_15;
+    work[58] = thumb_apb_19;
     let thumb_apb_20 = thumb_apb_19
-        * mul_add(2.9599999999999994e-5, sin_thumb_mcp, 9.72e-5 * cos_thumb_mcp);
-    work[72] = thumb_apb_20;
-    let thumb_adp_19 = 1.0 / thumb_adp_15;
-    work[77] = thumb_adp_19;
+        * mul_add(
+            L::splat(2.9599999999999994e-5),
+            sin_thumb_mcp,
+            L::splat(9.72e-5) * cos_thumb_mcp,
+        );
+    work[57] = thumb_apb_20;
+    let thumb_adp_19 = L::splat(1.0) / thumb_adp_15;
+    work[63] = thumb_adp_19;
     let thumb_adp_20 = thumb_adp_19
-        * mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp);
-    work[76] = thumb_adp_20;
-    force[coordinate::THUMB_MCP] = neg_mul_add(
-        damping,
+        * mul_add(L::splat(3.56e-5), sin_thumb_mcp, L::splat(8.9e-5) * cos_thumb_mcp);
+    work[62] = thumb_adp_20;
+    force[18] = neg_mul_add(
         v_thumb_mcp,
+        c_0,
         mul_add(
             thumb_adp_20,
             thumb_adp_16,
@@ -4426,11 +4944,11 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let thumb_ip_2 = mul_add(thumb_ab_8, thumb_ab_7, thumb_ab_2 * thumb_ab_12);
-    work[79] = thumb_ip_2;
+    work[66] = thumb_ip_2;
     let thumb_ip_3 = mul_sub(thumb_ab_2, thumb_cmc_2, thumb_cmc_4);
-    work[49] = thumb_ip_3;
+    work[34] = thumb_ip_3;
     let thumb_ip_4 = thumb_ab_8 * thumb_cmc_2;
-    work[50] = thumb_ip_4;
+    work[35] = thumb_ip_4;
     let thumb_ip_5 = neg_mul_add(
         thumb_ip_4,
         thumb_mcp_1,
@@ -4438,80 +4956,83 @@ fn evaluate_with_matrix_part_1(
     );
     let thumb_ip_6 = mul_sub(
         thumb_ab_8,
-        0.05958765820125469 * thumb_cmc_14,
-        thumb_ab_2 * (0.05958765820125469 * thumb_cmc_11),
+        L::splat(0.05958765820125469) * thumb_cmc_14,
+        thumb_ab_2 * (L::splat(0.05958765820125469) * thumb_cmc_11),
     );
     let thumb_ip_7 = thumb_ip_5
         - mul_add(thumb_ab_7, thumb_ab_27, thumb_ab_12 * thumb_ab_14)
         + (neg_mul_add(thumb_ab_23, thumb_cmc_15, thumb_ab_4 * thumb_cmc_12)
             + thumb_ip_6);
-    let thumb_fpl_25 = 1.0 / thumb_fpl_19;
-    work[83] = thumb_fpl_25;
+    let thumb_fpl_25 = L::splat(1.0) / thumb_fpl_19;
+    work[69] = thumb_fpl_25;
     let thumb_fpl_26 = thumb_fpl_25
         * mul_add(
-            4.799999999999981e-6,
+            L::splat(4.799999999999981e-6),
             sin_thumb_ip,
-            0.00014879999999999998 * cos_thumb_ip,
+            L::splat(0.00014879999999999998) * cos_thumb_ip,
         );
-    work[82] = thumb_fpl_26;
-    let thumb_epl_23 = 1.0 / thumb_epl_17;
-    work[86] = thumb_epl_23;
+    work[70] = thumb_fpl_26;
+    let thumb_epl_23 = L::splat(1.0) / thumb_epl_17;
+    work[72] = thumb_epl_23;
     let thumb_epl_24 = thumb_epl_23
-        * mul_add(9.475e-5, sin_thumb_ip, 4.6000000000000014e-5 * cos_thumb_ip);
-    work[85] = thumb_epl_24;
-    force[coordinate::THUMB_IP] = neg_mul_add(
-        damping,
+        * mul_add(
+            L::splat(9.475e-5),
+            sin_thumb_ip,
+            L::splat(4.6000000000000014e-5) * cos_thumb_ip,
+        );
+    work[73] = thumb_epl_24;
+    force[19] = neg_mul_add(
         v_thumb_ip,
+        c_0,
         neg_mul_add(
             thumb_epl_24,
             thumb_epl_18,
             mul_add(thumb_fpl_26, thumb_fpl_20, thumb_ip_7),
         ),
     );
-    force[coordinate::BALL_TX] = 0.0;
-    force[coordinate::BALL_TY] = 0.0;
-    force[coordinate::BALL_TZ] = -0.9810000000000001;
-    force[coordinate::BALL_RX] = mul_sub(v_ball_tz, ball_ty_1, v_ball_ty * ball_tz_1);
+    force[20] = L::splat(0.0);
+    force[21] = L::splat(0.0);
+    force[22] = L::splat(-0.9810000000000001);
+    force[23] = mul_sub(v_ball_tz, ball_ty_1, v_ball_ty * ball_tz_1);
     let ball_ry_7 = v_ball_rx * sin_ball_rx;
-    work[107] = ball_ry_7;
+    work[94] = ball_ry_7;
     let ball_ry_8 = v_ball_rx * cos_ball_rx;
-    work[105] = ball_ry_8;
+    work[92] = ball_ry_8;
     let ball_ry_9 = mul_sub(v_ball_ty, sin_ball_rx, v_ball_tz * cos_ball_rx);
-    work[88] = ball_ry_9;
+    work[75] = ball_ry_9;
     let ball_ry_10 = v_ball_tx * sin_ball_rx;
-    work[96] = ball_ry_10;
+    work[83] = ball_ry_10;
     let ball_ry_11 = v_ball_tx * cos_ball_rx;
-    work[100] = ball_ry_11;
+    work[87] = ball_ry_11;
     let ball_ry_12 = mul_add(
         ball_ry_11,
         ball_tz_1,
         mul_sub(ball_ry_9, ball_tx_1, ball_ry_10 * ball_ty_1),
     );
-    force[coordinate::BALL_RY] = neg_mul_add(ball_ry_7, ball_ry_6, ball_ry_8 * ball_ry_3)
-        + ball_ry_12;
+    force[24] = neg_mul_add(ball_ry_7, ball_ry_6, ball_ry_8 * ball_ry_3) + ball_ry_12;
     let ball_rz_1 = mul_sub(sin_ball_ry, ball_ry_2, v_ball_rx * ball_ry_1);
-    work[108] = ball_rz_1;
+    work[95] = ball_rz_1;
     let ball_rz_2 = mul_add(ball_ry_1, ball_ry_5, ball_ry_4 * ball_ry_2);
-    work[104] = ball_rz_2;
+    work[91] = ball_rz_2;
     let ball_rz_3 = mul_add(v_ball_rx, ball_ry_4, sin_ball_ry * ball_ry_5);
-    work[109] = ball_rz_3;
+    work[96] = ball_rz_3;
     let ball_rz_4 = neg_mul_add(
         ball_rz_3,
         ball_ry_3,
         mul_add(ball_rz_2, ball_rx_1, ball_rz_1 * ball_ry_6),
     );
     let ball_rz_5 = mul_add(v_ball_ty, ball_ry_1, v_ball_tz * ball_ry_4);
-    work[93] = ball_rz_5;
+    work[80] = ball_rz_5;
     let ball_rz_6 = mul_sub(v_ball_tz, sin_ball_ry, v_ball_tx * ball_ry_1);
-    work[98] = ball_rz_6;
+    work[85] = ball_rz_6;
     let ball_rz_7 = mul_add(v_ball_tx, ball_ry_4, v_ball_ty * sin_ball_ry);
-    work[101] = ball_rz_7;
+    work[88] = ball_rz_7;
     let ball_rz_8 = neg_mul_add(
         ball_rz_7,
         ball_tz_1,
         mul_add(ball_rz_5, ball_tx_1, ball_rz_6 * ball_ty_1),
     );
-    force[coordinate::BALL_RZ] = ball_rz_4 + ball_rz_8;
+    force[25] = ball_rz_4 + ball_rz_8;
     let index_fdp_24 = mul_sub(
         index_fdp_9,
         neg_mul_add(
@@ -4521,20 +5042,20 @@ fn evaluate_with_matrix_part_1(
         ),
         mul_add(index_fdp_2, index_fdp_10, index_fdp_4 * index_fdp_11),
     );
-    let index_fdp_25 = 0.25 * h;
-    work[18] = index_fdp_25;
+    let index_fdp_25 = L::splat(0.25) * h;
+    work[1] = index_fdp_25;
     let index_fdp_26 = index_fdp_25 * index_fdp_17;
-    let index_fdp_27 = k_flexor * index_fdp_25;
+    let index_fdp_27 = index_fdp_25 * c_2;
     let index_ab_34 = index_ab_17 + index_ab_6;
-    let index_ab_35 = 6.108011569195822e-6 + index_ab_34;
+    let index_ab_35 = L::splat(6.108011569195822e-6) + index_ab_34;
     let index_ab_36 = index_ab_20 + index_ab_11;
-    let index_ab_37 = 1.0 / h;
-    work[22] = index_ab_37;
+    let index_ab_37 = L::splat(1.0) / h;
+    work[5] = index_ab_37;
     let index_ab_38 = cos_index_mcp
         * (neg_mul_add(sin_index_mcp, index_ab_36, cos_index_mcp * index_ab_35)
             * index_ab_37);
     let index_ab_39 = index_ab_30 + index_ab_25;
-    let index_ab_40 = 4.511964479704354e-7 + index_ab_39;
+    let index_ab_40 = L::splat(4.511964479704354e-7) + index_ab_39;
     let index_ab_41 = mul_sub(
         sin_index_mcp,
         neg_mul_add(sin_index_mcp, index_ab_40, cos_index_mcp * index_ab_36)
@@ -4563,7 +5084,7 @@ fn evaluate_with_matrix_part_1(
         mul_add(index_edc_2, index_edc_10, index_edc_4 * index_edc_11),
     );
     let index_edc_21 = index_fdp_25 * index_edc_15;
-    let index_edc_22 = k_extensor * index_fdp_25;
+    let index_edc_22 = index_fdp_25 * c_3;
     let index_ab_45 = index_ab_44
         - mul_add(
             index_edc_12,
@@ -4589,12 +5110,12 @@ fn evaluate_with_matrix_part_1(
         ),
     );
     let index_interosseous_21 = index_fdp_25 * index_interosseous_16;
-    let index_interosseous_22 = k_intrinsic * index_fdp_25;
+    let index_interosseous_22 = index_fdp_25 * c_1;
     let index_ab_46 = index_ab_45
         - mul_add(
-            index_interosseous_15,
-            index_interosseous_15 * index_interosseous_22,
-            index_interosseous_20 * index_interosseous_21,
+            index_interosseous_20,
+            index_interosseous_21,
+            index_interosseous_15 * (index_interosseous_15 * index_interosseous_22),
         );
     let index_band_25 = neg_mul_add(
         index_band_13,
@@ -4610,10 +5131,10 @@ fn evaluate_with_matrix_part_1(
     let index_ab_47 = index_ab_46
         - mul_add(
             index_band_13,
-            index_interosseous_22 * index_band_13,
+            index_band_13 * index_interosseous_22,
             index_band_26 * index_band_27,
         );
-    matrix[0] = index_ab_47 - value_0;
+    matrix[0] = index_ab_47 - c_4;
     let index_fdp_28 = index_fdp_9
         * mul_add(index_fdp_4, index_fdp_6, index_fdp_12 * index_fdp_19) * index_fdp_26;
     let index_fdp_29 = index_fdp_19 * index_fdp_27;
@@ -4623,10 +5144,12 @@ fn evaluate_with_matrix_part_1(
     let index_ab_50 = index_ab_12 * index_ab_36;
     let index_ab_51 = index_ab_22 - mul_add(index_ab_7, index_ab_40, index_ab_50);
     let index_ab_52 = mul_add(sin_index_mcp, index_ab_51, cos_index_mcp * index_ab_49);
-    let index_edc_23 = index_edc_9
-        * mul_add(index_edc_4, index_edc_6, index_edc_12 * index_edc_17) * index_edc_21;
-    let index_edc_24 = index_edc_17 * index_edc_22;
-    let index_edc_25 = mul_sub(index_edc_12, index_edc_24, index_edc_23);
+    let index_edc_23 = index_edc_17 * index_edc_22;
+    let index_edc_24 = neg_mul_add(
+        index_edc_9 * mul_add(index_edc_4, index_edc_6, index_edc_12 * index_edc_17),
+        index_edc_21,
+        index_edc_12 * index_edc_23,
+    );
     let index_interosseous_23 = index_interosseous_12
         * mul_add(
             index_interosseous_5,
@@ -4639,35 +5162,41 @@ fn evaluate_with_matrix_part_1(
         index_interosseous_24,
         index_interosseous_23,
     );
-    let index_band_28 = index_band_10
-        * mul_sub(index_band_4, index_band_6, index_band_13 * index_band_20)
-        * index_band_27;
-    let index_band_29 = index_interosseous_22 * index_band_20;
-    let index_band_30 = mul_add(index_band_13, index_band_29, index_band_28);
-    matrix[1] = mul_sub(0.5, index_ab_52, index_fdp_30) - index_edc_25
-        - index_interosseous_25 - index_band_30;
+    let index_band_28 = index_band_20 * index_interosseous_22;
+    let index_band_29 = mul_add(
+        index_band_10
+            * mul_sub(index_band_4, index_band_6, index_band_13 * index_band_20),
+        index_band_27,
+        index_band_13 * index_band_28,
+    );
+    matrix[1] = mul_sub(L::splat(0.5), index_ab_52, index_fdp_30) - index_edc_24
+        - index_interosseous_25 - index_band_29;
     let index_ab_53 = mul_sub(
         index_pip_5,
         index_mcp_13,
         mul_add(index_ab_7, index_ab_39, index_ab_50),
-    ) + mul_add(0.039799999999999995, index_pip_4, index_ab_21);
+    ) + mul_add(L::splat(0.039799999999999995), index_pip_4, index_ab_21);
     let index_ab_54 = mul_sub(
         index_pip_5,
         index_mcp_10,
         mul_add(index_ab_12, index_ab_34, index_ab_48),
     ) - index_ab_31;
-    let index_ab_55 = 0.5
-        * neg_mul_add(sin_index_mcp, index_ab_53, cos_index_mcp * index_ab_54);
+    let index_ab_55 = neg_mul_add(
+        sin_index_mcp,
+        index_ab_53,
+        cos_index_mcp * index_ab_54,
+    );
     let index_fdp_31 = index_fdp_21 * index_fdp_27;
-    let index_edc_26 = index_edc_19 * index_edc_22;
-    let index_band_31 = index_interosseous_22 * index_band_22;
+    let index_fdp_32 = index_fdp_12 * index_fdp_31;
+    let index_edc_25 = index_edc_19 * index_edc_22;
+    let index_band_30 = index_band_22 * index_interosseous_22;
     matrix[2] = mul_add(
         index_band_13,
-        index_band_31,
+        index_band_30,
         neg_mul_add(
             index_edc_12,
-            index_edc_26,
-            mul_sub(index_fdp_12, index_fdp_31, index_ab_55),
+            index_edc_25,
+            neg_mul_add(L::splat(0.5), index_ab_55, index_fdp_32),
         ),
     );
     let index_ab_56 = mul_sub(
@@ -4680,27 +5209,31 @@ fn evaluate_with_matrix_part_1(
         index_ab_4,
         mul_add(index_ab_12, index_ab_6, index_ab_26),
     ) - mul_add(index_ab_8, index_pip_3, index_ab_27);
-    let index_ab_58 = 0.5
-        * neg_mul_add(sin_index_mcp, index_ab_56, cos_index_mcp * index_ab_57);
-    let index_fdp_32 = index_fdp_23 * index_fdp_27;
-    let index_band_32 = index_interosseous_22 * index_band_24;
+    let index_ab_58 = neg_mul_add(
+        sin_index_mcp,
+        index_ab_56,
+        cos_index_mcp * index_ab_57,
+    );
+    let index_fdp_33 = index_fdp_23 * index_fdp_27;
+    let index_fdp_34 = index_fdp_12 * index_fdp_33;
+    let index_band_31 = index_band_24 * index_interosseous_22;
     matrix[3] = mul_sub(
         index_band_13,
-        index_band_32,
-        mul_add(index_fdp_12, index_fdp_32, index_ab_58),
+        index_band_31,
+        mul_add(L::splat(0.5), index_ab_58, index_fdp_34),
     );
-    let index_mcp_18 = index_band_30
+    let index_mcp_18 = index_band_29
         + (index_interosseous_25
-            + (index_edc_25 + mul_add(0.5, index_ab_52, index_fdp_30)));
+            + (index_edc_24 + mul_add(L::splat(0.5), index_ab_52, index_fdp_30)));
     matrix[26] = -index_mcp_18;
-    let index_fdp_33 = neg_mul_add(
+    let index_fdp_35 = neg_mul_add(
         index_fdp_19,
         index_fdp_19,
         mul_add(index_fdp_6, index_fdp_6, index_fdp_1 * index_fdp_1),
     );
-    let index_fdp_34 = mul_add(
+    let index_fdp_36 = mul_add(
         index_fdp_9,
-        index_fdp_33,
+        index_fdp_35,
         neg_mul_add(index_fdp_1, index_fdp_10, index_fdp_6 * index_fdp_18),
     );
     let index_mcp_19 = neg_mul_add(
@@ -4712,22 +5245,30 @@ fn evaluate_with_matrix_part_1(
     let index_mcp_21 = index_mcp_13 * index_mcp_12;
     let index_mcp_22 = mul_add(
         index_fdp_25,
-        mul_sub(index_mcp_14, -0.00022169899542251022 - index_mcp_10, index_mcp_21),
-        neg_mul_add(6.108011569195822e-6 + index_mcp_20, index_ab_37, index_mcp_19),
+        mul_sub(
+            index_mcp_14,
+            L::splat(-0.00022169899542251022) - index_mcp_10,
+            index_mcp_21,
+        ),
+        neg_mul_add(
+            L::splat(6.108011569195822e-6) + index_mcp_20,
+            index_ab_37,
+            index_mcp_19,
+        ),
     );
-    let index_edc_27 = neg_mul_add(
+    let index_edc_26 = neg_mul_add(
         index_edc_17,
         index_edc_17,
         mul_add(index_edc_6, index_edc_6, index_edc_1 * index_edc_1),
     );
-    let index_edc_28 = mul_sub(
+    let index_edc_27 = mul_sub(
         index_edc_9,
-        index_edc_27,
+        index_edc_26,
         mul_add(index_edc_1, index_edc_10, index_edc_6 * index_edc_16),
     );
     let index_mcp_23 = index_mcp_22
-        - mul_add(index_fdp_19, index_fdp_29, index_fdp_34 * index_fdp_26)
-        - mul_add(index_edc_17, index_edc_24, index_edc_28 * index_edc_21);
+        - mul_add(index_fdp_19, index_fdp_29, index_fdp_36 * index_fdp_26)
+        - mul_add(index_edc_27, index_edc_21, index_edc_17 * index_edc_23);
     let index_interosseous_26 = neg_mul_add(
         index_interosseous_18,
         index_interosseous_18,
@@ -4746,48 +5287,48 @@ fn evaluate_with_matrix_part_1(
             index_interosseous_8 * index_interosseous_17,
         ),
     );
-    let index_band_33 = neg_mul_add(
+    let index_band_32 = neg_mul_add(
         index_band_20,
         index_band_20,
         mul_add(index_band_6, index_band_6, index_band_1 * index_band_1),
     );
-    let index_band_34 = mul_add(
+    let index_band_33 = mul_add(
         index_band_10,
-        index_band_33,
+        index_band_32,
         neg_mul_add(index_band_1, index_band_11, index_band_6 * index_band_19),
     );
     let index_mcp_24 = index_mcp_23
         - mul_add(
-            index_interosseous_18,
-            index_interosseous_24,
-            index_interosseous_27 * index_interosseous_21,
-        ) - mul_add(index_band_20, index_band_29, index_band_34 * index_band_27);
-    matrix[27] = index_mcp_24 - value_0;
+            index_interosseous_27,
+            index_interosseous_21,
+            index_interosseous_18 * index_interosseous_24,
+        ) - mul_add(index_band_33, index_band_27, index_band_20 * index_band_28);
+    matrix[27] = index_mcp_24 - c_4;
     let index_mcp_25 = mul_add(
         index_ab_7,
         index_fdp_25 * index_ab_53,
         index_ab_12 * (index_fdp_25 * index_ab_54),
     );
     let index_mcp_26 = index_ab_37
-        * neg_mul_add(0.039799999999999995, index_mcp_10, index_mcp_20);
-    let index_mcp_27 = 0.00030365844164887296 - index_mcp_10;
+        * neg_mul_add(L::splat(0.039799999999999995), index_mcp_10, index_mcp_20);
+    let index_mcp_27 = L::splat(0.00030365844164887296) - index_mcp_10;
     let index_mcp_28 = mul_sub(index_mcp_14, index_mcp_27, index_mcp_21);
     let index_mcp_29 = mul_sub(index_fdp_25, index_mcp_28, index_mcp_26 + index_mcp_25);
     let index_mcp_30 = neg_mul_add(
         index_pip_7,
         index_mcp_13,
-        0.039799999999999995 * index_pip_6,
+        L::splat(0.039799999999999995) * index_pip_6,
     );
     let index_mcp_31 = neg_mul_add(
         index_edc_17,
-        index_edc_26,
+        index_edc_25,
         neg_mul_add(
             index_fdp_19,
             index_fdp_31,
-            neg_mul_add(0.5, index_mcp_30, index_mcp_29),
+            neg_mul_add(L::splat(0.5), index_mcp_30, index_mcp_29),
         ),
     );
-    matrix[28] = mul_add(index_band_20, index_band_31, index_mcp_31);
+    matrix[28] = mul_add(index_band_20, index_band_30, index_mcp_31);
     let index_mcp_32 = mul_add(
         index_ab_7,
         index_fdp_25 * index_ab_56,
@@ -4795,8 +5336,12 @@ fn evaluate_with_matrix_part_1(
     );
     let index_mcp_33 = index_ab_37
         * (index_mcp_1 - mul_add(index_ab_8, index_ab_23, index_ab_2 * index_ab_4));
-    let index_mcp_34 = mul_sub(0.0026754431356501404, index_ab_2, index_ab_4);
-    let index_mcp_35 = mul_sub(5.9929926238563145e-5, sin_index_pip, index_ab_23);
+    let index_mcp_34 = mul_sub(L::splat(0.0026754431356501404), index_ab_2, index_ab_4);
+    let index_mcp_35 = mul_sub(
+        L::splat(5.9929926238563145e-5),
+        sin_index_pip,
+        index_ab_23,
+    );
     let index_mcp_36 = index_fdp_25
         * mul_add(index_mcp_14, index_mcp_34, index_mcp_12 * index_mcp_35);
     let index_mcp_37 = index_mcp_36 - (index_mcp_33 + index_mcp_32);
@@ -4804,94 +5349,122 @@ fn evaluate_with_matrix_part_1(
         + mul_sub(index_ab_2, index_dip_1, index_ab_8 * index_pip_1);
     matrix[29] = mul_add(
         index_band_20,
-        index_band_32,
-        mul_add(index_fdp_19, index_fdp_32, neg_mul_add(0.5, index_mcp_38, index_mcp_37)),
+        index_band_31,
+        mul_add(
+            index_fdp_19,
+            index_fdp_33,
+            neg_mul_add(L::splat(0.5), index_mcp_38, index_mcp_37),
+        ),
     );
     matrix[52] = mul_add(
         index_band_13,
-        index_band_31,
+        index_band_30,
         neg_mul_add(
             index_edc_12,
-            index_edc_26,
-            mul_add(index_fdp_12, index_fdp_31, index_ab_55),
+            index_edc_25,
+            mul_add(L::splat(0.5), index_ab_55, index_fdp_32),
         ),
     );
     let index_pip_11 = neg_mul_add(
         index_edc_17,
-        index_edc_26,
-        neg_mul_add(index_fdp_19, index_fdp_31, mul_add(0.5, index_mcp_30, index_mcp_29)),
+        index_edc_25,
+        neg_mul_add(
+            index_fdp_19,
+            index_fdp_31,
+            mul_add(L::splat(0.5), index_mcp_30, index_mcp_29),
+        ),
     );
-    matrix[53] = mul_add(index_band_20, index_band_31, index_pip_11);
+    matrix[53] = mul_add(index_band_20, index_band_30, index_pip_11);
     let index_pip_12 = mul_sub(
-        0.00030365844164887296,
+        L::splat(0.00030365844164887296),
         index_ab_12,
         mul_add(index_ab_7, index_mcp_13, index_ab_12 * index_mcp_10),
     );
     let index_pip_13 = mul_add(
         index_pip_7,
-        index_fdp_25 * mul_add(0.00030365844164887296, v_index_mcp, index_pip_2),
+        index_fdp_25
+            * mul_add(L::splat(0.00030365844164887296), v_index_mcp, index_pip_2),
         index_pip_5 * (index_fdp_25 * index_pip_12),
     );
     let index_pip_14 = index_pip_13 - index_mcp_25
-        - mul_add(0.039799999999999995, index_ab_37 * index_mcp_27, index_mcp_26);
-    let index_fdp_35 = mul_add(
+        - mul_add(
+            L::splat(0.039799999999999995),
+            index_ab_37 * index_mcp_27,
+            index_mcp_26,
+        );
+    let index_fdp_37 = mul_add(
         index_fdp_21,
         index_fdp_31,
         index_fdp_20 * neg_mul_add(index_fdp_21, index_fdp_21, index_fdp_13)
             * index_fdp_26,
     );
-    let index_edc_29 = mul_add(
-        index_edc_19,
-        index_edc_26,
-        index_edc_18 * neg_mul_add(index_edc_19, index_edc_19, index_edc_13)
-            * index_edc_21,
+    let index_edc_28 = mul_add(
+        index_edc_18 * neg_mul_add(index_edc_19, index_edc_19, index_edc_13),
+        index_edc_21,
+        index_edc_19 * index_edc_25,
     );
-    let index_band_35 = mul_add(
-        index_band_22,
-        index_band_31,
-        index_band_21 * neg_mul_add(index_band_22, index_band_22, index_band_14)
-            * index_band_27,
+    let index_band_34 = mul_add(
+        index_band_21 * neg_mul_add(index_band_22, index_band_22, index_band_14),
+        index_band_27,
+        index_band_22 * index_band_30,
     );
-    let index_pip_15 = mul_add(index_fdp_25, index_mcp_28, index_pip_14) - index_fdp_35
-        - index_edc_29 - index_band_35;
-    matrix[54] = index_pip_15 - value_0;
+    let index_pip_15 = mul_add(index_fdp_25, index_mcp_28, index_pip_14) - index_fdp_37
+        - index_edc_28 - index_band_34;
+    matrix[54] = index_pip_15 - c_4;
     let index_pip_16 = mul_sub(
-        0.0026754431356501404,
+        L::splat(0.0026754431356501404),
         index_dip_2,
         mul_add(index_ab_7, index_ab_23, index_ab_12 * index_ab_4),
     );
     let index_pip_17 = index_fdp_25 * index_pip_16;
     let index_pip_18 = index_fdp_25
-        * mul_add(0.0026754431356501404, index_dip_3, index_pip_1);
+        * mul_add(L::splat(0.0026754431356501404), index_dip_3, index_pip_1);
     let index_pip_19 = index_ab_37 * index_mcp_34;
     let index_pip_20 = mul_add(index_pip_7, index_pip_18, index_pip_5 * index_pip_17)
-        - index_mcp_32 - mul_add(0.039799999999999995, index_pip_19, index_mcp_33);
+        - index_mcp_32
+        - mul_add(L::splat(0.039799999999999995), index_pip_19, index_mcp_33);
     let index_pip_21 = index_mcp_36 + index_pip_20;
-    let index_pip_22 = mul_add(0.0026754431356501404, index_dip_4, index_dip_1);
+    let index_pip_22 = mul_add(
+        L::splat(0.0026754431356501404),
+        index_dip_4,
+        index_dip_1,
+    );
     let index_pip_23 = neg_mul_add(
         index_pip_7,
         index_mcp_35,
-        neg_mul_add(0.039799999999999995, index_pip_22, index_mcp_38),
+        neg_mul_add(L::splat(0.039799999999999995), index_pip_22, index_mcp_38),
     );
     matrix[55] = neg_mul_add(
         index_band_22,
-        index_band_32,
-        mul_add(index_fdp_21, index_fdp_32, neg_mul_add(0.5, index_pip_23, index_pip_21)),
+        index_band_31,
+        mul_add(
+            index_fdp_21,
+            index_fdp_33,
+            neg_mul_add(L::splat(0.5), index_pip_23, index_pip_21),
+        ),
     );
     matrix[78] = mul_add(
         index_band_13,
-        index_band_32,
-        neg_mul_add(index_fdp_12, index_fdp_32, index_ab_58),
+        index_band_31,
+        mul_sub(L::splat(0.5), index_ab_58, index_fdp_34),
     );
     matrix[79] = mul_add(
         index_band_20,
-        index_band_32,
-        mul_add(index_fdp_19, index_fdp_32, mul_add(0.5, index_mcp_38, index_mcp_37)),
+        index_band_31,
+        mul_add(
+            index_fdp_19,
+            index_fdp_33,
+            mul_add(L::splat(0.5), index_mcp_38, index_mcp_37),
+        ),
     );
     matrix[80] = neg_mul_add(
         index_band_22,
-        index_band_32,
-        mul_add(index_fdp_21, index_fdp_32, mul_add(0.5, index_pip_23, index_pip_21)),
+        index_band_31,
+        mul_add(
+            index_fdp_21,
+            index_fdp_33,
+            mul_add(L::splat(0.5), index_pip_23, index_pip_21),
+        ),
     );
     let index_dip_8 = mul_add(
         index_dip_4,
@@ -4900,21 +5473,19 @@ fn evaluate_with_matrix_part_1(
     );
     let index_dip_9 = index_mcp_33
         + mul_add(index_ab_8, index_ab_37 * index_mcp_35, index_ab_2 * index_pip_19);
-    let index_fdp_36 = mul_add(
-        index_fdp_23,
-        index_fdp_32,
-        index_fdp_22 * neg_mul_add(index_fdp_23, index_fdp_23, index_fdp_15)
-            * index_fdp_26,
+    let index_fdp_38 = mul_add(
+        index_fdp_22 * neg_mul_add(index_fdp_23, index_fdp_23, index_fdp_15),
+        index_fdp_26,
+        index_fdp_23 * index_fdp_33,
     );
-    let index_band_36 = mul_add(
-        index_band_24,
-        index_band_32,
-        index_band_23 * neg_mul_add(index_band_24, index_band_24, index_band_16)
-            * index_band_27,
+    let index_band_35 = mul_add(
+        index_band_23 * neg_mul_add(index_band_24, index_band_24, index_band_16),
+        index_band_27,
+        index_band_24 * index_band_31,
     );
     let index_dip_10 = index_mcp_36 + (index_dip_8 - index_mcp_32 - index_dip_9)
-        - index_fdp_36 - index_band_36;
-    matrix[81] = index_dip_10 - value_0;
+        - index_fdp_38 - index_band_35;
+    matrix[81] = index_dip_10 - c_4;
     let middle_fdp_24 = mul_sub(
         middle_fdp_9,
         neg_mul_add(
@@ -4926,13 +5497,13 @@ fn evaluate_with_matrix_part_1(
     );
     let middle_fdp_25 = index_fdp_25 * middle_fdp_17;
     let middle_ab_34 = middle_ab_17 + middle_ab_6;
-    let middle_ab_35 = 8.530529217154657e-6 + middle_ab_34;
+    let middle_ab_35 = L::splat(8.530529217154657e-6) + middle_ab_34;
     let middle_ab_36 = middle_ab_20 + middle_ab_11;
     let middle_ab_37 = cos_middle_mcp
         * (index_ab_37
             * neg_mul_add(sin_middle_mcp, middle_ab_36, cos_middle_mcp * middle_ab_35));
     let middle_ab_38 = middle_ab_30 + middle_ab_25;
-    let middle_ab_39 = 5.056120999869704e-7 + middle_ab_38;
+    let middle_ab_39 = L::splat(5.056120999869704e-7) + middle_ab_38;
     let middle_ab_40 = mul_sub(
         sin_middle_mcp,
         index_ab_37
@@ -4952,7 +5523,7 @@ fn evaluate_with_matrix_part_1(
     let middle_ab_43 = middle_ab_40 + middle_ab_42
         - mul_add(
             middle_fdp_12,
-            index_fdp_27 * middle_fdp_12,
+            middle_fdp_12 * index_fdp_27,
             middle_fdp_24 * middle_fdp_25,
         );
     let middle_edc_20 = mul_sub(
@@ -4967,9 +5538,9 @@ fn evaluate_with_matrix_part_1(
     let middle_edc_21 = index_fdp_25 * middle_edc_15;
     let middle_ab_44 = middle_ab_43
         - mul_add(
-            middle_edc_12,
-            index_edc_22 * middle_edc_12,
-            middle_edc_20 * middle_edc_21,
+            middle_edc_20,
+            middle_edc_21,
+            middle_edc_12 * (middle_edc_12 * index_edc_22),
         );
     let middle_interosseous_21 = neg_mul_add(
         middle_interosseous_17,
@@ -4992,9 +5563,9 @@ fn evaluate_with_matrix_part_1(
     let middle_interosseous_23 = index_fdp_25 * middle_interosseous_18;
     let middle_ab_45 = middle_ab_44
         - mul_add(
-            middle_interosseous_17,
-            index_interosseous_22 * middle_interosseous_17,
-            middle_interosseous_22 * middle_interosseous_23,
+            middle_interosseous_22,
+            middle_interosseous_23,
+            middle_interosseous_17 * (middle_interosseous_17 * index_interosseous_22),
         );
     let middle_band_25 = neg_mul_add(
         middle_band_13,
@@ -5009,15 +5580,15 @@ fn evaluate_with_matrix_part_1(
     let middle_band_27 = index_fdp_25 * middle_band_18;
     let middle_ab_46 = middle_ab_45
         - mul_add(
-            middle_band_13,
-            index_interosseous_22 * middle_band_13,
-            middle_band_26 * middle_band_27,
+            middle_band_26,
+            middle_band_27,
+            middle_band_13 * (middle_band_13 * index_interosseous_22),
         );
-    matrix[108] = middle_ab_46 - value_0;
+    matrix[108] = middle_ab_46 - c_4;
     let middle_fdp_26 = middle_fdp_9
         * mul_add(middle_fdp_4, middle_fdp_6, middle_fdp_12 * middle_fdp_19)
         * middle_fdp_25;
-    let middle_fdp_27 = index_fdp_27 * middle_fdp_19;
+    let middle_fdp_27 = middle_fdp_19 * index_fdp_27;
     let middle_fdp_28 = neg_mul_add(middle_fdp_12, middle_fdp_27, middle_fdp_26);
     let middle_ab_47 = middle_ab_7 * middle_ab_36;
     let middle_ab_48 = middle_ab_32 + mul_add(middle_ab_12, middle_ab_35, middle_ab_47);
@@ -5028,52 +5599,60 @@ fn evaluate_with_matrix_part_1(
         middle_ab_50,
         cos_middle_mcp * middle_ab_48,
     );
-    let middle_edc_22 = middle_edc_9
-        * mul_add(middle_edc_4, middle_edc_6, middle_edc_12 * middle_edc_17)
-        * middle_edc_21;
-    let middle_edc_23 = index_edc_22 * middle_edc_17;
-    let middle_edc_24 = mul_sub(middle_edc_12, middle_edc_23, middle_edc_22);
+    let middle_edc_22 = middle_edc_17 * index_edc_22;
+    let middle_edc_23 = neg_mul_add(
+        middle_edc_9
+            * mul_add(middle_edc_4, middle_edc_6, middle_edc_12 * middle_edc_17),
+        middle_edc_21,
+        middle_edc_12 * middle_edc_22,
+    );
     let middle_interosseous_24 = middle_interosseous_14
         * mul_add(
             middle_interosseous_7,
             middle_interosseous_10,
             middle_interosseous_17 * middle_interosseous_20,
         ) * middle_interosseous_23;
-    let middle_interosseous_25 = index_interosseous_22 * middle_interosseous_20;
+    let middle_interosseous_25 = middle_interosseous_20 * index_interosseous_22;
     let middle_interosseous_26 = neg_mul_add(
         middle_interosseous_17,
         middle_interosseous_25,
         middle_interosseous_24,
     );
-    let middle_band_28 = middle_band_10
-        * mul_sub(middle_band_4, middle_band_6, middle_band_13 * middle_band_20)
-        * middle_band_27;
-    let middle_band_29 = index_interosseous_22 * middle_band_20;
-    let middle_band_30 = mul_add(middle_band_13, middle_band_29, middle_band_28);
-    matrix[109] = mul_sub(0.5, middle_ab_51, middle_fdp_28) - middle_edc_24
-        - middle_interosseous_26 - middle_band_30;
+    let middle_band_28 = middle_band_20 * index_interosseous_22;
+    let middle_band_29 = mul_add(
+        middle_band_10
+            * mul_sub(middle_band_4, middle_band_6, middle_band_13 * middle_band_20),
+        middle_band_27,
+        middle_band_13 * middle_band_28,
+    );
+    matrix[109] = mul_sub(L::splat(0.5), middle_ab_51, middle_fdp_28) - middle_edc_23
+        - middle_interosseous_26 - middle_band_29;
     let middle_ab_52 = mul_sub(
         middle_pip_5,
         middle_mcp_13,
         mul_add(middle_ab_7, middle_ab_38, middle_ab_49),
-    ) + mul_add(0.0446, middle_pip_4, middle_ab_21);
+    ) + mul_add(L::splat(0.0446), middle_pip_4, middle_ab_21);
     let middle_ab_53 = mul_sub(
         middle_pip_5,
         middle_mcp_10,
         mul_add(middle_ab_12, middle_ab_34, middle_ab_47),
     ) - middle_ab_31;
-    let middle_ab_54 = 0.5
-        * neg_mul_add(sin_middle_mcp, middle_ab_52, cos_middle_mcp * middle_ab_53);
-    let middle_fdp_29 = index_fdp_27 * middle_fdp_21;
-    let middle_edc_25 = index_edc_22 * middle_edc_19;
-    let middle_band_31 = index_interosseous_22 * middle_band_22;
+    let middle_ab_54 = neg_mul_add(
+        sin_middle_mcp,
+        middle_ab_52,
+        cos_middle_mcp * middle_ab_53,
+    );
+    let middle_fdp_29 = middle_fdp_21 * index_fdp_27;
+    let middle_fdp_30 = middle_fdp_12 * middle_fdp_29;
+    let middle_edc_24 = middle_edc_19 * index_edc_22;
+    let middle_band_30 = middle_band_22 * index_interosseous_22;
     matrix[110] = mul_add(
         middle_band_13,
-        middle_band_31,
+        middle_band_30,
         neg_mul_add(
             middle_edc_12,
-            middle_edc_25,
-            mul_sub(middle_fdp_12, middle_fdp_29, middle_ab_54),
+            middle_edc_24,
+            neg_mul_add(L::splat(0.5), middle_ab_54, middle_fdp_30),
         ),
     );
     let middle_ab_55 = mul_sub(
@@ -5086,27 +5665,31 @@ fn evaluate_with_matrix_part_1(
         middle_ab_4,
         mul_add(middle_ab_12, middle_ab_6, middle_ab_26),
     ) - mul_add(middle_ab_8, middle_pip_3, middle_ab_27);
-    let middle_ab_57 = 0.5
-        * neg_mul_add(sin_middle_mcp, middle_ab_55, cos_middle_mcp * middle_ab_56);
-    let middle_fdp_30 = index_fdp_27 * middle_fdp_23;
-    let middle_band_32 = index_interosseous_22 * middle_band_24;
+    let middle_ab_57 = neg_mul_add(
+        sin_middle_mcp,
+        middle_ab_55,
+        cos_middle_mcp * middle_ab_56,
+    );
+    let middle_fdp_31 = middle_fdp_23 * index_fdp_27;
+    let middle_fdp_32 = middle_fdp_12 * middle_fdp_31;
+    let middle_band_31 = middle_band_24 * index_interosseous_22;
     matrix[111] = mul_add(
         middle_band_13,
-        middle_band_32,
-        mul_sub(middle_fdp_12, middle_fdp_30, middle_ab_57),
+        middle_band_31,
+        neg_mul_add(L::splat(0.5), middle_ab_57, middle_fdp_32),
     );
-    let middle_mcp_18 = middle_band_30
+    let middle_mcp_18 = middle_band_29
         + (middle_interosseous_26
-            + (middle_edc_24 + mul_add(0.5, middle_ab_51, middle_fdp_28)));
+            + (middle_edc_23 + mul_add(L::splat(0.5), middle_ab_51, middle_fdp_28)));
     matrix[134] = -middle_mcp_18;
-    let middle_fdp_31 = neg_mul_add(
+    let middle_fdp_33 = neg_mul_add(
         middle_fdp_19,
         middle_fdp_19,
         mul_add(middle_fdp_6, middle_fdp_6, middle_fdp_1 * middle_fdp_1),
     );
-    let middle_fdp_32 = mul_add(
+    let middle_fdp_34 = mul_add(
         middle_fdp_9,
-        middle_fdp_31,
+        middle_fdp_33,
         neg_mul_add(middle_fdp_1, middle_fdp_10, middle_fdp_6 * middle_fdp_18),
     );
     let middle_mcp_19 = neg_mul_add(
@@ -5118,22 +5701,30 @@ fn evaluate_with_matrix_part_1(
     let middle_mcp_21 = middle_mcp_13 * middle_mcp_12;
     let middle_mcp_22 = mul_add(
         index_fdp_25,
-        mul_sub(middle_mcp_14, -0.00027839876122739363 - middle_mcp_10, middle_mcp_21),
-        neg_mul_add(index_ab_37, 8.530529217154657e-6 + middle_mcp_20, middle_mcp_19),
+        mul_sub(
+            middle_mcp_14,
+            L::splat(-0.00027839876122739363) - middle_mcp_10,
+            middle_mcp_21,
+        ),
+        neg_mul_add(
+            index_ab_37,
+            L::splat(8.530529217154657e-6) + middle_mcp_20,
+            middle_mcp_19,
+        ),
     );
-    let middle_edc_26 = neg_mul_add(
+    let middle_edc_25 = neg_mul_add(
         middle_edc_17,
         middle_edc_17,
         mul_add(middle_edc_6, middle_edc_6, middle_edc_1 * middle_edc_1),
     );
-    let middle_edc_27 = mul_sub(
+    let middle_edc_26 = mul_sub(
         middle_edc_9,
-        middle_edc_26,
+        middle_edc_25,
         mul_add(middle_edc_1, middle_edc_10, middle_edc_6 * middle_edc_16),
     );
     let middle_mcp_23 = middle_mcp_22
-        - mul_add(middle_fdp_19, middle_fdp_27, middle_fdp_32 * middle_fdp_25)
-        - mul_add(middle_edc_17, middle_edc_23, middle_edc_27 * middle_edc_21);
+        - mul_add(middle_fdp_19, middle_fdp_27, middle_fdp_34 * middle_fdp_25)
+        - mul_add(middle_edc_17, middle_edc_22, middle_edc_26 * middle_edc_21);
     let middle_interosseous_27 = neg_mul_add(
         middle_interosseous_20,
         middle_interosseous_20,
@@ -5152,47 +5743,52 @@ fn evaluate_with_matrix_part_1(
             middle_interosseous_10 * middle_interosseous_19,
         ),
     );
-    let middle_band_33 = neg_mul_add(
+    let middle_band_32 = neg_mul_add(
         middle_band_20,
         middle_band_20,
         mul_add(middle_band_6, middle_band_6, middle_band_1 * middle_band_1),
     );
-    let middle_band_34 = mul_add(
+    let middle_band_33 = mul_add(
         middle_band_10,
-        middle_band_33,
+        middle_band_32,
         neg_mul_add(middle_band_1, middle_band_11, middle_band_6 * middle_band_19),
     );
     let middle_mcp_24 = middle_mcp_23
         - mul_add(
-            middle_interosseous_20,
-            middle_interosseous_25,
-            middle_interosseous_28 * middle_interosseous_23,
-        ) - mul_add(middle_band_20, middle_band_29, middle_band_34 * middle_band_27);
-    matrix[135] = middle_mcp_24 - value_0;
+            middle_interosseous_28,
+            middle_interosseous_23,
+            middle_interosseous_20 * middle_interosseous_25,
+        ) - mul_add(middle_band_20, middle_band_28, middle_band_33 * middle_band_27);
+    matrix[135] = middle_mcp_24 - c_4;
     let middle_mcp_25 = mul_add(
         middle_ab_7,
         index_fdp_25 * middle_ab_52,
         middle_ab_12 * (index_fdp_25 * middle_ab_53),
     );
-    let middle_mcp_26 = index_ab_37 * neg_mul_add(0.0446, middle_mcp_10, middle_mcp_20);
-    let middle_mcp_27 = 0.00039083406893673523 - middle_mcp_10;
+    let middle_mcp_26 = index_ab_37
+        * neg_mul_add(L::splat(0.0446), middle_mcp_10, middle_mcp_20);
+    let middle_mcp_27 = L::splat(0.00039083406893673523) - middle_mcp_10;
     let middle_mcp_28 = mul_sub(middle_mcp_14, middle_mcp_27, middle_mcp_21);
     let middle_mcp_29 = mul_sub(
         index_fdp_25,
         middle_mcp_28,
         middle_mcp_26 + middle_mcp_25,
     );
-    let middle_mcp_30 = neg_mul_add(middle_pip_7, middle_mcp_13, 0.0446 * middle_pip_6);
+    let middle_mcp_30 = neg_mul_add(
+        middle_pip_7,
+        middle_mcp_13,
+        L::splat(0.0446) * middle_pip_6,
+    );
     let middle_mcp_31 = neg_mul_add(
         middle_edc_17,
-        middle_edc_25,
+        middle_edc_24,
         neg_mul_add(
             middle_fdp_19,
             middle_fdp_29,
-            neg_mul_add(0.5, middle_mcp_30, middle_mcp_29),
+            neg_mul_add(L::splat(0.5), middle_mcp_30, middle_mcp_29),
         ),
     );
-    matrix[136] = mul_add(middle_band_20, middle_band_31, middle_mcp_31);
+    matrix[136] = mul_add(middle_band_20, middle_band_30, middle_mcp_31);
     let middle_mcp_32 = mul_add(
         middle_ab_7,
         index_fdp_25 * middle_ab_55,
@@ -5200,8 +5796,16 @@ fn evaluate_with_matrix_part_1(
     );
     let middle_mcp_33 = index_ab_37
         * (middle_mcp_1 - mul_add(middle_ab_8, middle_ab_23, middle_ab_2 * middle_ab_4));
-    let middle_mcp_34 = mul_sub(0.0029463740860957233, middle_ab_2, middle_ab_4);
-    let middle_mcp_35 = mul_sub(7.748963846431752e-5, sin_middle_pip, middle_ab_23);
+    let middle_mcp_34 = mul_sub(
+        L::splat(0.0029463740860957233),
+        middle_ab_2,
+        middle_ab_4,
+    );
+    let middle_mcp_35 = mul_sub(
+        L::splat(7.748963846431752e-5),
+        sin_middle_pip,
+        middle_ab_23,
+    );
     let middle_mcp_36 = index_fdp_25
         * mul_add(middle_mcp_14, middle_mcp_34, middle_mcp_12 * middle_mcp_35);
     let middle_mcp_37 = middle_mcp_36 - (middle_mcp_33 + middle_mcp_32);
@@ -5212,116 +5816,118 @@ fn evaluate_with_matrix_part_1(
     ) + mul_sub(middle_ab_2, middle_dip_1, middle_ab_8 * middle_pip_1);
     matrix[137] = mul_add(
         middle_band_20,
-        middle_band_32,
+        middle_band_31,
         neg_mul_add(
             middle_fdp_19,
-            middle_fdp_30,
-            neg_mul_add(0.5, middle_mcp_38, middle_mcp_37),
+            middle_fdp_31,
+            neg_mul_add(L::splat(0.5), middle_mcp_38, middle_mcp_37),
         ),
     );
     matrix[160] = mul_add(
         middle_band_13,
-        middle_band_31,
+        middle_band_30,
         neg_mul_add(
             middle_edc_12,
-            middle_edc_25,
-            mul_add(middle_fdp_12, middle_fdp_29, middle_ab_54),
+            middle_edc_24,
+            mul_add(L::splat(0.5), middle_ab_54, middle_fdp_30),
         ),
     );
     let middle_pip_11 = neg_mul_add(
         middle_edc_17,
-        middle_edc_25,
+        middle_edc_24,
         neg_mul_add(
             middle_fdp_19,
             middle_fdp_29,
-            mul_add(0.5, middle_mcp_30, middle_mcp_29),
+            mul_add(L::splat(0.5), middle_mcp_30, middle_mcp_29),
         ),
     );
-    matrix[161] = mul_add(middle_band_20, middle_band_31, middle_pip_11);
+    matrix[161] = mul_add(middle_band_20, middle_band_30, middle_pip_11);
     let middle_pip_12 = mul_sub(
-        0.00039083406893673523,
+        L::splat(0.00039083406893673523),
         middle_ab_12,
         mul_add(middle_ab_7, middle_mcp_13, middle_ab_12 * middle_mcp_10),
     );
     let middle_pip_13 = mul_add(
         middle_pip_7,
-        index_fdp_25 * mul_add(0.00039083406893673523, v_middle_mcp, middle_pip_2),
+        index_fdp_25
+            * mul_add(L::splat(0.00039083406893673523), v_middle_mcp, middle_pip_2),
         middle_pip_5 * (index_fdp_25 * middle_pip_12),
     );
     let middle_pip_14 = middle_pip_13 - middle_mcp_25
-        - mul_add(0.0446, index_ab_37 * middle_mcp_27, middle_mcp_26);
-    let middle_fdp_33 = mul_add(
-        middle_fdp_21,
-        middle_fdp_29,
-        middle_fdp_20 * neg_mul_add(middle_fdp_21, middle_fdp_21, middle_fdp_13)
-            * middle_fdp_25,
+        - mul_add(L::splat(0.0446), index_ab_37 * middle_mcp_27, middle_mcp_26);
+    let middle_fdp_35 = mul_add(
+        middle_fdp_20 * neg_mul_add(middle_fdp_21, middle_fdp_21, middle_fdp_13),
+        middle_fdp_25,
+        middle_fdp_21 * middle_fdp_29,
     );
-    let middle_edc_28 = mul_add(
-        middle_edc_19,
-        middle_edc_25,
-        middle_edc_18 * neg_mul_add(middle_edc_19, middle_edc_19, middle_edc_13)
-            * middle_edc_21,
+    let middle_edc_27 = mul_add(
+        middle_edc_18 * neg_mul_add(middle_edc_19, middle_edc_19, middle_edc_13),
+        middle_edc_21,
+        middle_edc_19 * middle_edc_24,
     );
-    let middle_band_35 = mul_add(
-        middle_band_22,
-        middle_band_31,
-        middle_band_21 * neg_mul_add(middle_band_22, middle_band_22, middle_band_14)
-            * middle_band_27,
+    let middle_band_34 = mul_add(
+        middle_band_21 * neg_mul_add(middle_band_22, middle_band_22, middle_band_14),
+        middle_band_27,
+        middle_band_22 * middle_band_30,
     );
     let middle_pip_15 = mul_add(index_fdp_25, middle_mcp_28, middle_pip_14)
-        - middle_fdp_33 - middle_edc_28 - middle_band_35;
-    matrix[162] = middle_pip_15 - value_0;
+        - middle_fdp_35 - middle_edc_27 - middle_band_34;
+    matrix[162] = middle_pip_15 - c_4;
     let middle_pip_16 = mul_sub(
-        0.0029463740860957233,
+        L::splat(0.0029463740860957233),
         middle_dip_2,
         mul_add(middle_ab_7, middle_ab_23, middle_ab_12 * middle_ab_4),
     );
     let middle_pip_17 = index_fdp_25 * middle_pip_16;
     let middle_pip_18 = index_fdp_25
-        * mul_add(0.0029463740860957233, middle_dip_3, middle_pip_1);
+        * mul_add(L::splat(0.0029463740860957233), middle_dip_3, middle_pip_1);
     let middle_pip_19 = index_ab_37 * middle_mcp_34;
     let middle_pip_20 = mul_add(
         middle_pip_7,
         middle_pip_18,
         middle_pip_5 * middle_pip_17,
-    ) - middle_mcp_32 - mul_add(0.0446, middle_pip_19, middle_mcp_33);
+    ) - middle_mcp_32 - mul_add(L::splat(0.0446), middle_pip_19, middle_mcp_33);
     let middle_pip_21 = middle_mcp_36 + middle_pip_20;
-    let middle_pip_22 = mul_add(0.0029463740860957233, middle_dip_4, middle_dip_1);
+    let middle_pip_22 = mul_add(
+        L::splat(0.0029463740860957233),
+        middle_dip_4,
+        middle_dip_1,
+    );
     let middle_pip_23 = neg_mul_add(
         middle_pip_7,
         middle_mcp_35,
-        neg_mul_add(0.0446, middle_pip_22, middle_mcp_38),
+        neg_mul_add(L::splat(0.0446), middle_pip_22, middle_mcp_38),
     );
     matrix[163] = neg_mul_add(
         middle_band_22,
-        middle_band_32,
+        middle_band_31,
         neg_mul_add(
             middle_fdp_21,
-            middle_fdp_30,
-            neg_mul_add(0.5, middle_pip_23, middle_pip_21),
+            middle_fdp_31,
+            neg_mul_add(L::splat(0.5), middle_pip_23, middle_pip_21),
         ),
     );
     matrix[186] = mul_add(
         middle_band_13,
-        middle_band_32,
-        mul_add(middle_fdp_12, middle_fdp_30, middle_ab_57),
+        middle_band_31,
+        mul_add(L::splat(0.5), middle_ab_57, middle_fdp_32),
     );
     matrix[187] = mul_add(
         middle_band_20,
-        middle_band_32,
+        middle_band_31,
         neg_mul_add(
             middle_fdp_19,
-            middle_fdp_30,
-            mul_add(0.5, middle_mcp_38, middle_mcp_37),
+            middle_fdp_31,
+            mul_add(L::splat(0.5), middle_mcp_38, middle_mcp_37),
         ),
     );
     matrix[188] = neg_mul_add(
         middle_band_22,
-        middle_band_32,
+        middle_band_31,
         neg_mul_add(
             middle_fdp_21,
-            middle_fdp_30,
-            mul_add(0.5, middle_pip_23, middle_pip_21),
+            middle_fdp_31,
+            mul_add(L::splat(0.5), middle_pip_23, middle_pip_21),
         ),
     );
     let middle_dip_8 = mul_add(
@@ -5331,21 +5937,20 @@ fn evaluate_with_matrix_part_1(
     );
     let middle_dip_9 = middle_mcp_33
         + mul_add(middle_ab_8, index_ab_37 * middle_mcp_35, middle_ab_2 * middle_pip_19);
-    let middle_fdp_34 = mul_add(
-        middle_fdp_23,
-        middle_fdp_30,
-        middle_fdp_22 * neg_mul_add(middle_fdp_23, middle_fdp_23, middle_fdp_15)
-            * middle_fdp_25,
+    let middle_fdp_36 = mul_add(
+        middle_fdp_22 * neg_mul_add(middle_fdp_23, middle_fdp_23, middle_fdp_15),
+        middle_fdp_25,
+        middle_fdp_23 * middle_fdp_31,
     );
-    let middle_band_36 = mul_add(
+    let middle_band_35 = mul_add(
         middle_band_24,
-        middle_band_32,
+        middle_band_31,
         middle_band_23 * neg_mul_add(middle_band_24, middle_band_24, middle_band_16)
             * middle_band_27,
     );
     let middle_dip_10 = middle_mcp_36 + (middle_dip_8 - middle_mcp_32 - middle_dip_9)
-        - middle_fdp_34 - middle_band_36;
-    matrix[189] = middle_dip_10 - value_0;
+        - middle_fdp_36 - middle_band_35;
+    matrix[189] = middle_dip_10 - c_4;
     let ring_fdp_24 = mul_sub(
         ring_fdp_9,
         neg_mul_add(
@@ -5357,13 +5962,13 @@ fn evaluate_with_matrix_part_1(
     );
     let ring_fdp_25 = index_fdp_25 * ring_fdp_17;
     let ring_ab_34 = ring_ab_17 + ring_ab_6;
-    let ring_ab_35 = 6.855419880173114e-6 + ring_ab_34;
+    let ring_ab_35 = L::splat(6.855419880173114e-6) + ring_ab_34;
     let ring_ab_36 = ring_ab_20 + ring_ab_11;
     let ring_ab_37 = cos_ring_mcp
         * (index_ab_37
             * neg_mul_add(sin_ring_mcp, ring_ab_36, cos_ring_mcp * ring_ab_35));
     let ring_ab_38 = ring_ab_30 + ring_ab_25;
-    let ring_ab_39 = 4.6933499864261383e-7 + ring_ab_38;
+    let ring_ab_39 = L::splat(4.6933499864261383e-7) + ring_ab_38;
     let ring_ab_40 = mul_sub(
         sin_ring_mcp,
         index_ab_37 * neg_mul_add(sin_ring_mcp, ring_ab_39, cos_ring_mcp * ring_ab_36),
@@ -5376,7 +5981,7 @@ fn evaluate_with_matrix_part_1(
         cos_ring_mcp * (index_fdp_25 * (ring_mcp_14 * ring_ab_41)),
     );
     let ring_ab_43 = ring_ab_40 + ring_ab_42
-        - mul_add(ring_fdp_12, index_fdp_27 * ring_fdp_12, ring_fdp_24 * ring_fdp_25);
+        - mul_add(ring_fdp_24, ring_fdp_25, ring_fdp_12 * (ring_fdp_12 * index_fdp_27));
     let ring_edc_20 = mul_sub(
         ring_edc_9,
         neg_mul_add(
@@ -5388,7 +5993,7 @@ fn evaluate_with_matrix_part_1(
     );
     let ring_edc_21 = index_fdp_25 * ring_edc_15;
     let ring_ab_44 = ring_ab_43
-        - mul_add(ring_edc_12, index_edc_22 * ring_edc_12, ring_edc_20 * ring_edc_21);
+        - mul_add(ring_edc_12, ring_edc_12 * index_edc_22, ring_edc_20 * ring_edc_21);
     let ring_interosseous_19 = neg_mul_add(
         ring_interosseous_15,
         ring_interosseous_15,
@@ -5411,7 +6016,7 @@ fn evaluate_with_matrix_part_1(
     let ring_ab_45 = ring_ab_44
         - mul_add(
             ring_interosseous_15,
-            index_interosseous_22 * ring_interosseous_15,
+            ring_interosseous_15 * index_interosseous_22,
             ring_interosseous_20 * ring_interosseous_21,
         );
     let ring_band_25 = neg_mul_add(
@@ -5428,30 +6033,32 @@ fn evaluate_with_matrix_part_1(
     let ring_ab_46 = ring_ab_45
         - mul_add(
             ring_band_13,
-            index_interosseous_22 * ring_band_13,
+            ring_band_13 * index_interosseous_22,
             ring_band_26 * ring_band_27,
         );
-    matrix[216] = ring_ab_46 - value_0;
+    matrix[216] = ring_ab_46 - c_4;
     let ring_fdp_26 = ring_fdp_9
         * mul_add(ring_fdp_4, ring_fdp_6, ring_fdp_12 * ring_fdp_19) * ring_fdp_25;
-    let ring_fdp_27 = index_fdp_27 * ring_fdp_19;
+    let ring_fdp_27 = ring_fdp_19 * index_fdp_27;
     let ring_fdp_28 = neg_mul_add(ring_fdp_12, ring_fdp_27, ring_fdp_26);
     let ring_ab_47 = ring_ab_7 * ring_ab_36;
     let ring_ab_48 = ring_ab_32 + mul_add(ring_ab_12, ring_ab_35, ring_ab_47);
     let ring_ab_49 = ring_ab_12 * ring_ab_36;
     let ring_ab_50 = ring_ab_22 - mul_add(ring_ab_7, ring_ab_39, ring_ab_49);
     let ring_ab_51 = mul_add(sin_ring_mcp, ring_ab_50, cos_ring_mcp * ring_ab_48);
-    let ring_edc_22 = ring_edc_9
-        * mul_add(ring_edc_4, ring_edc_6, ring_edc_12 * ring_edc_17) * ring_edc_21;
-    let ring_edc_23 = index_edc_22 * ring_edc_17;
-    let ring_edc_24 = mul_sub(ring_edc_12, ring_edc_23, ring_edc_22);
+    let ring_edc_22 = ring_edc_17 * index_edc_22;
+    let ring_edc_23 = neg_mul_add(
+        ring_edc_9 * mul_add(ring_edc_4, ring_edc_6, ring_edc_12 * ring_edc_17),
+        ring_edc_21,
+        ring_edc_12 * ring_edc_22,
+    );
     let ring_interosseous_22 = ring_interosseous_12
         * mul_sub(
             ring_interosseous_5,
             ring_interosseous_8,
             ring_interosseous_15 * ring_interosseous_18,
         ) * ring_interosseous_21;
-    let ring_interosseous_23 = index_interosseous_22 * ring_interosseous_18;
+    let ring_interosseous_23 = ring_interosseous_18 * index_interosseous_22;
     let ring_interosseous_24 = mul_add(
         ring_interosseous_15,
         ring_interosseous_23,
@@ -5459,32 +6066,32 @@ fn evaluate_with_matrix_part_1(
     );
     let ring_band_28 = ring_band_10
         * mul_add(ring_band_4, ring_band_6, ring_band_13 * ring_band_20) * ring_band_27;
-    let ring_band_29 = index_interosseous_22 * ring_band_20;
+    let ring_band_29 = ring_band_20 * index_interosseous_22;
     let ring_band_30 = neg_mul_add(ring_band_13, ring_band_29, ring_band_28);
-    matrix[217] = mul_sub(0.5, ring_ab_51, ring_fdp_28) - ring_edc_24
+    matrix[217] = mul_sub(L::splat(0.5), ring_ab_51, ring_fdp_28) - ring_edc_23
         - ring_interosseous_24 - ring_band_30;
     let ring_ab_52 = mul_sub(
         ring_pip_5,
         ring_mcp_13,
         mul_add(ring_ab_7, ring_ab_38, ring_ab_49),
-    ) + mul_add(0.0414, ring_pip_4, ring_ab_21);
+    ) + mul_add(L::splat(0.0414), ring_pip_4, ring_ab_21);
     let ring_ab_53 = mul_sub(
         ring_pip_5,
         ring_mcp_10,
         mul_add(ring_ab_12, ring_ab_34, ring_ab_47),
     ) - ring_ab_31;
-    let ring_ab_54 = 0.5
-        * neg_mul_add(sin_ring_mcp, ring_ab_52, cos_ring_mcp * ring_ab_53);
-    let ring_fdp_29 = index_fdp_27 * ring_fdp_21;
-    let ring_edc_25 = index_edc_22 * ring_edc_19;
-    let ring_band_31 = index_interosseous_22 * ring_band_22;
+    let ring_ab_54 = neg_mul_add(sin_ring_mcp, ring_ab_52, cos_ring_mcp * ring_ab_53);
+    let ring_fdp_29 = ring_fdp_21 * index_fdp_27;
+    let ring_fdp_30 = ring_fdp_12 * ring_fdp_29;
+    let ring_edc_24 = ring_edc_19 * index_edc_22;
+    let ring_band_31 = ring_band_22 * index_interosseous_22;
     matrix[218] = neg_mul_add(
         ring_band_13,
         ring_band_31,
         neg_mul_add(
             ring_edc_12,
-            ring_edc_25,
-            mul_sub(ring_fdp_12, ring_fdp_29, ring_ab_54),
+            ring_edc_24,
+            neg_mul_add(L::splat(0.5), ring_ab_54, ring_fdp_30),
         ),
     );
     let ring_ab_55 = mul_sub(
@@ -5497,26 +6104,27 @@ fn evaluate_with_matrix_part_1(
         ring_ab_4,
         mul_add(ring_ab_12, ring_ab_6, ring_ab_26),
     ) - mul_add(ring_ab_8, ring_pip_3, ring_ab_27);
-    let ring_ab_57 = 0.5
-        * neg_mul_add(sin_ring_mcp, ring_ab_55, cos_ring_mcp * ring_ab_56);
-    let ring_fdp_30 = index_fdp_27 * ring_fdp_23;
-    let ring_band_32 = index_interosseous_22 * ring_band_24;
+    let ring_ab_57 = neg_mul_add(sin_ring_mcp, ring_ab_55, cos_ring_mcp * ring_ab_56);
+    let ring_fdp_31 = ring_fdp_23 * index_fdp_27;
+    let ring_fdp_32 = ring_fdp_12 * ring_fdp_31;
+    let ring_band_32 = ring_band_24 * index_interosseous_22;
     matrix[219] = neg_mul_add(
         ring_band_13,
         ring_band_32,
-        mul_sub(ring_fdp_12, ring_fdp_30, ring_ab_57),
+        neg_mul_add(L::splat(0.5), ring_ab_57, ring_fdp_32),
     );
     let ring_mcp_18 = ring_band_30
-        + (ring_interosseous_24 + (ring_edc_24 + mul_add(0.5, ring_ab_51, ring_fdp_28)));
+        + (ring_interosseous_24
+            + (ring_edc_23 + mul_add(L::splat(0.5), ring_ab_51, ring_fdp_28)));
     matrix[242] = -ring_mcp_18;
-    let ring_fdp_31 = neg_mul_add(
+    let ring_fdp_33 = neg_mul_add(
         ring_fdp_19,
         ring_fdp_19,
         mul_add(ring_fdp_6, ring_fdp_6, ring_fdp_1 * ring_fdp_1),
     );
-    let ring_fdp_32 = mul_add(
+    let ring_fdp_34 = mul_add(
         ring_fdp_9,
-        ring_fdp_31,
+        ring_fdp_33,
         neg_mul_add(ring_fdp_1, ring_fdp_10, ring_fdp_6 * ring_fdp_18),
     );
     let ring_mcp_19 = neg_mul_add(
@@ -5528,22 +6136,30 @@ fn evaluate_with_matrix_part_1(
     let ring_mcp_21 = ring_mcp_13 * ring_mcp_12;
     let ring_mcp_22 = mul_add(
         index_fdp_25,
-        mul_sub(ring_mcp_14, -0.00023988233263955822 - ring_mcp_10, ring_mcp_21),
-        neg_mul_add(index_ab_37, 6.855419880173114e-6 + ring_mcp_20, ring_mcp_19),
+        mul_sub(
+            ring_mcp_14,
+            L::splat(-0.00023988233263955822) - ring_mcp_10,
+            ring_mcp_21,
+        ),
+        neg_mul_add(
+            index_ab_37,
+            L::splat(6.855419880173114e-6) + ring_mcp_20,
+            ring_mcp_19,
+        ),
     );
-    let ring_edc_26 = neg_mul_add(
+    let ring_edc_25 = neg_mul_add(
         ring_edc_17,
         ring_edc_17,
         mul_add(ring_edc_6, ring_edc_6, ring_edc_1 * ring_edc_1),
     );
-    let ring_edc_27 = mul_sub(
+    let ring_edc_26 = mul_sub(
         ring_edc_9,
-        ring_edc_26,
+        ring_edc_25,
         mul_add(ring_edc_1, ring_edc_10, ring_edc_6 * ring_edc_16),
     );
     let ring_mcp_23 = ring_mcp_22
-        - mul_add(ring_fdp_19, ring_fdp_27, ring_fdp_32 * ring_fdp_25)
-        - mul_add(ring_edc_17, ring_edc_23, ring_edc_27 * ring_edc_21);
+        - mul_add(ring_fdp_34, ring_fdp_25, ring_fdp_19 * ring_fdp_27)
+        - mul_add(ring_edc_26, ring_edc_21, ring_edc_17 * ring_edc_22);
     let ring_interosseous_25 = neg_mul_add(
         ring_interosseous_18,
         ring_interosseous_18,
@@ -5577,22 +6193,31 @@ fn evaluate_with_matrix_part_1(
             ring_interosseous_18,
             ring_interosseous_23,
             ring_interosseous_26 * ring_interosseous_21,
-        ) - mul_add(ring_band_20, ring_band_29, ring_band_34 * ring_band_27);
-    matrix[243] = ring_mcp_24 - value_0;
+        ) - mul_add(ring_band_34, ring_band_27, ring_band_20 * ring_band_29);
+    matrix[243] = ring_mcp_24 - c_4;
     let ring_mcp_25 = mul_add(
         ring_ab_7,
         index_fdp_25 * ring_ab_52,
         ring_ab_12 * (index_fdp_25 * ring_ab_53),
     );
-    let ring_mcp_26 = index_ab_37 * neg_mul_add(0.0414, ring_mcp_10, ring_mcp_20);
-    let ring_mcp_27 = 0.0003565973126403644 - ring_mcp_10;
+    let ring_mcp_26 = index_ab_37
+        * neg_mul_add(L::splat(0.0414), ring_mcp_10, ring_mcp_20);
+    let ring_mcp_27 = L::splat(0.0003565973126403644) - ring_mcp_10;
     let ring_mcp_28 = mul_sub(ring_mcp_14, ring_mcp_27, ring_mcp_21);
     let ring_mcp_29 = mul_sub(index_fdp_25, ring_mcp_28, ring_mcp_26 + ring_mcp_25);
-    let ring_mcp_30 = neg_mul_add(ring_pip_7, ring_mcp_13, 0.0414 * ring_pip_6);
+    let ring_mcp_30 = neg_mul_add(
+        ring_pip_7,
+        ring_mcp_13,
+        L::splat(0.0414) * ring_pip_6,
+    );
     let ring_mcp_31 = neg_mul_add(
         ring_edc_17,
-        ring_edc_25,
-        neg_mul_add(ring_fdp_19, ring_fdp_29, neg_mul_add(0.5, ring_mcp_30, ring_mcp_29)),
+        ring_edc_24,
+        neg_mul_add(
+            ring_fdp_19,
+            ring_fdp_29,
+            neg_mul_add(L::splat(0.5), ring_mcp_30, ring_mcp_29),
+        ),
     );
     matrix[244] = mul_add(ring_band_20, ring_band_31, ring_mcp_31);
     let ring_mcp_32 = mul_add(
@@ -5602,8 +6227,8 @@ fn evaluate_with_matrix_part_1(
     );
     let ring_mcp_33 = index_ab_37
         * (ring_mcp_1 - mul_add(ring_ab_8, ring_ab_23, ring_ab_2 * ring_ab_4));
-    let ring_mcp_34 = mul_sub(0.0029294409016928746, ring_ab_2, ring_ab_4);
-    let ring_mcp_35 = mul_sub(7.528663117350688e-5, sin_ring_pip, ring_ab_23);
+    let ring_mcp_34 = mul_sub(L::splat(0.0029294409016928746), ring_ab_2, ring_ab_4);
+    let ring_mcp_35 = mul_sub(L::splat(7.528663117350688e-5), sin_ring_pip, ring_ab_23);
     let ring_mcp_36 = index_fdp_25
         * mul_add(ring_mcp_14, ring_mcp_34, ring_mcp_12 * ring_mcp_35);
     let ring_mcp_37 = ring_mcp_36 - (ring_mcp_33 + ring_mcp_32);
@@ -5612,91 +6237,110 @@ fn evaluate_with_matrix_part_1(
     matrix[245] = mul_add(
         ring_band_20,
         ring_band_32,
-        neg_mul_add(ring_fdp_19, ring_fdp_30, neg_mul_add(0.5, ring_mcp_38, ring_mcp_37)),
+        neg_mul_add(
+            ring_fdp_19,
+            ring_fdp_31,
+            neg_mul_add(L::splat(0.5), ring_mcp_38, ring_mcp_37),
+        ),
     );
     matrix[268] = neg_mul_add(
         ring_band_13,
         ring_band_31,
         neg_mul_add(
             ring_edc_12,
-            ring_edc_25,
-            mul_add(ring_fdp_12, ring_fdp_29, ring_ab_54),
+            ring_edc_24,
+            mul_add(L::splat(0.5), ring_ab_54, ring_fdp_30),
         ),
     );
     let ring_pip_11 = neg_mul_add(
         ring_edc_17,
-        ring_edc_25,
-        neg_mul_add(ring_fdp_19, ring_fdp_29, mul_add(0.5, ring_mcp_30, ring_mcp_29)),
+        ring_edc_24,
+        neg_mul_add(
+            ring_fdp_19,
+            ring_fdp_29,
+            mul_add(L::splat(0.5), ring_mcp_30, ring_mcp_29),
+        ),
     );
     matrix[269] = mul_add(ring_band_20, ring_band_31, ring_pip_11);
     let ring_pip_12 = mul_sub(
-        0.0003565973126403644,
+        L::splat(0.0003565973126403644),
         ring_ab_12,
         mul_add(ring_ab_7, ring_mcp_13, ring_ab_12 * ring_mcp_10),
     );
     let ring_pip_13 = mul_add(
         ring_pip_7,
-        index_fdp_25 * mul_add(0.0003565973126403644, v_ring_mcp, ring_pip_2),
+        index_fdp_25 * mul_add(L::splat(0.0003565973126403644), v_ring_mcp, ring_pip_2),
         ring_pip_5 * (index_fdp_25 * ring_pip_12),
     );
     let ring_pip_14 = ring_pip_13 - ring_mcp_25
-        - mul_add(0.0414, index_ab_37 * ring_mcp_27, ring_mcp_26);
-    let ring_fdp_33 = mul_add(
+        - mul_add(L::splat(0.0414), index_ab_37 * ring_mcp_27, ring_mcp_26);
+    let ring_fdp_35 = mul_add(
         ring_fdp_21,
         ring_fdp_29,
         ring_fdp_20 * neg_mul_add(ring_fdp_21, ring_fdp_21, ring_fdp_13) * ring_fdp_25,
     );
-    let ring_edc_28 = mul_add(
-        ring_edc_19,
-        ring_edc_25,
-        ring_edc_18 * neg_mul_add(ring_edc_19, ring_edc_19, ring_edc_13) * ring_edc_21,
+    let ring_edc_27 = mul_add(
+        ring_edc_18 * neg_mul_add(ring_edc_19, ring_edc_19, ring_edc_13),
+        ring_edc_21,
+        ring_edc_19 * ring_edc_24,
     );
     let ring_band_35 = mul_add(
-        ring_band_22,
-        ring_band_31,
-        ring_band_21 * neg_mul_add(ring_band_22, ring_band_22, ring_band_14)
-            * ring_band_27,
+        ring_band_21 * neg_mul_add(ring_band_22, ring_band_22, ring_band_14),
+        ring_band_27,
+        ring_band_22 * ring_band_31,
     );
-    let ring_pip_15 = mul_add(index_fdp_25, ring_mcp_28, ring_pip_14) - ring_fdp_33
-        - ring_edc_28 - ring_band_35;
-    matrix[270] = ring_pip_15 - value_0;
+    let ring_pip_15 = mul_add(index_fdp_25, ring_mcp_28, ring_pip_14) - ring_fdp_35
+        - ring_edc_27 - ring_band_35;
+    matrix[270] = ring_pip_15 - c_4;
     let ring_pip_16 = mul_sub(
-        0.0029294409016928746,
+        L::splat(0.0029294409016928746),
         ring_dip_2,
         mul_add(ring_ab_7, ring_ab_23, ring_ab_12 * ring_ab_4),
     );
     let ring_pip_17 = index_fdp_25 * ring_pip_16;
     let ring_pip_18 = index_fdp_25
-        * mul_add(0.0029294409016928746, ring_dip_3, ring_pip_1);
+        * mul_add(L::splat(0.0029294409016928746), ring_dip_3, ring_pip_1);
     let ring_pip_19 = index_ab_37 * ring_mcp_34;
     let ring_pip_20 = mul_add(ring_pip_7, ring_pip_18, ring_pip_5 * ring_pip_17)
-        - ring_mcp_32 - mul_add(0.0414, ring_pip_19, ring_mcp_33);
+        - ring_mcp_32 - mul_add(L::splat(0.0414), ring_pip_19, ring_mcp_33);
     let ring_pip_21 = ring_mcp_36 + ring_pip_20;
-    let ring_pip_22 = mul_add(0.0029294409016928746, ring_dip_4, ring_dip_1);
+    let ring_pip_22 = mul_add(L::splat(0.0029294409016928746), ring_dip_4, ring_dip_1);
     let ring_pip_23 = neg_mul_add(
         ring_pip_7,
         ring_mcp_35,
-        neg_mul_add(0.0414, ring_pip_22, ring_mcp_38),
+        neg_mul_add(L::splat(0.0414), ring_pip_22, ring_mcp_38),
     );
     matrix[271] = neg_mul_add(
         ring_band_22,
         ring_band_32,
-        neg_mul_add(ring_fdp_21, ring_fdp_30, neg_mul_add(0.5, ring_pip_23, ring_pip_21)),
+        neg_mul_add(
+            ring_fdp_21,
+            ring_fdp_31,
+            neg_mul_add(L::splat(0.5), ring_pip_23, ring_pip_21),
+        ),
     );
     matrix[294] = neg_mul_add(
         ring_band_13,
         ring_band_32,
-        mul_add(ring_fdp_12, ring_fdp_30, ring_ab_57),
+        mul_add(L::splat(0.5), ring_ab_57, ring_fdp_32),
     );
     matrix[295] = mul_add(
         ring_band_20,
         ring_band_32,
-        neg_mul_add(ring_fdp_19, ring_fdp_30, mul_add(0.5, ring_mcp_38, ring_mcp_37)),
+        neg_mul_add(
+            ring_fdp_19,
+            ring_fdp_31,
+            mul_add(L::splat(0.5), ring_mcp_38, ring_mcp_37),
+        ),
     );
     matrix[296] = neg_mul_add(
         ring_band_22,
         ring_band_32,
-        neg_mul_add(ring_fdp_21, ring_fdp_30, mul_add(0.5, ring_pip_23, ring_pip_21)),
+        neg_mul_add(
+            ring_fdp_21,
+            ring_fdp_31,
+            mul_add(L::splat(0.5), ring_pip_23, ring_pip_21),
+        ),
     );
     let ring_dip_8 = mul_add(
         ring_dip_4,
@@ -5705,20 +6349,19 @@ fn evaluate_with_matrix_part_1(
     );
     let ring_dip_9 = ring_mcp_33
         + mul_add(ring_ab_8, index_ab_37 * ring_mcp_35, ring_ab_2 * ring_pip_19);
-    let ring_fdp_34 = mul_add(
+    let ring_fdp_36 = mul_add(
         ring_fdp_23,
-        ring_fdp_30,
+        ring_fdp_31,
         ring_fdp_22 * neg_mul_add(ring_fdp_23, ring_fdp_23, ring_fdp_15) * ring_fdp_25,
     );
     let ring_band_36 = mul_add(
-        ring_band_24,
-        ring_band_32,
-        ring_band_23 * neg_mul_add(ring_band_24, ring_band_24, ring_band_16)
-            * ring_band_27,
+        ring_band_23 * neg_mul_add(ring_band_24, ring_band_24, ring_band_16),
+        ring_band_27,
+        ring_band_24 * ring_band_32,
     );
-    let ring_dip_10 = ring_mcp_36 + (ring_dip_8 - ring_mcp_32 - ring_dip_9) - ring_fdp_34
+    let ring_dip_10 = ring_mcp_36 + (ring_dip_8 - ring_mcp_32 - ring_dip_9) - ring_fdp_36
         - ring_band_36;
-    matrix[297] = ring_dip_10 - value_0;
+    matrix[297] = ring_dip_10 - c_4;
     let little_fdp_24 = mul_add(
         little_fdp_9,
         neg_mul_add(
@@ -5730,13 +6373,13 @@ fn evaluate_with_matrix_part_1(
     );
     let little_fdp_25 = index_fdp_25 * little_fdp_17;
     let little_ab_34 = little_ab_17 + little_ab_6;
-    let little_ab_35 = 3.4478462505758233e-6 + little_ab_34;
+    let little_ab_35 = L::splat(3.4478462505758233e-6) + little_ab_34;
     let little_ab_36 = little_ab_20 + little_ab_11;
     let little_ab_37 = cos_little_mcp
         * (index_ab_37
             * neg_mul_add(sin_little_mcp, little_ab_36, cos_little_mcp * little_ab_35));
     let little_ab_38 = little_ab_30 + little_ab_25;
-    let little_ab_39 = 3.7070662936264426e-7 + little_ab_38;
+    let little_ab_39 = L::splat(3.7070662936264426e-7) + little_ab_38;
     let little_ab_40 = mul_sub(
         sin_little_mcp,
         index_ab_37
@@ -5756,7 +6399,7 @@ fn evaluate_with_matrix_part_1(
     let little_ab_43 = little_ab_40 + little_ab_42
         - mul_add(
             little_fdp_12,
-            index_fdp_27 * little_fdp_12,
+            little_fdp_12 * index_fdp_27,
             little_fdp_24 * little_fdp_25,
         );
     let little_edc_20 = mul_sub(
@@ -5772,7 +6415,7 @@ fn evaluate_with_matrix_part_1(
     let little_ab_44 = little_ab_43
         - mul_add(
             little_edc_12,
-            index_edc_22 * little_edc_12,
+            little_edc_12 * index_edc_22,
             little_edc_20 * little_edc_21,
         );
     let little_interosseous_19 = neg_mul_add(
@@ -5797,7 +6440,7 @@ fn evaluate_with_matrix_part_1(
     let little_ab_45 = little_ab_44
         - mul_add(
             little_interosseous_15,
-            index_interosseous_22 * little_interosseous_15,
+            little_interosseous_15 * index_interosseous_22,
             little_interosseous_20 * little_interosseous_21,
         );
     let little_band_25 = neg_mul_add(
@@ -5813,16 +6456,18 @@ fn evaluate_with_matrix_part_1(
     let little_band_27 = index_fdp_25 * little_band_18;
     let little_ab_46 = little_ab_45
         - mul_add(
-            little_band_13,
-            index_interosseous_22 * little_band_13,
-            little_band_26 * little_band_27,
+            little_band_26,
+            little_band_27,
+            little_band_13 * (little_band_13 * index_interosseous_22),
         );
-    matrix[324] = little_ab_46 - value_0;
-    let little_fdp_26 = little_fdp_9
-        * mul_sub(little_fdp_4, little_fdp_6, little_fdp_12 * little_fdp_19)
-        * little_fdp_25;
-    let little_fdp_27 = index_fdp_27 * little_fdp_19;
-    let little_fdp_28 = mul_add(little_fdp_12, little_fdp_27, little_fdp_26);
+    matrix[324] = little_ab_46 - c_4;
+    let little_fdp_26 = little_fdp_19 * index_fdp_27;
+    let little_fdp_27 = mul_add(
+        little_fdp_9
+            * mul_sub(little_fdp_4, little_fdp_6, little_fdp_12 * little_fdp_19),
+        little_fdp_25,
+        little_fdp_12 * little_fdp_26,
+    );
     let little_ab_47 = little_ab_7 * little_ab_36;
     let little_ab_48 = little_ab_32 + mul_add(little_ab_12, little_ab_35, little_ab_47);
     let little_ab_49 = little_ab_12 * little_ab_36;
@@ -5832,52 +6477,57 @@ fn evaluate_with_matrix_part_1(
         little_ab_50,
         cos_little_mcp * little_ab_48,
     );
-    let little_edc_22 = little_edc_9
-        * mul_add(little_edc_4, little_edc_6, little_edc_12 * little_edc_17)
-        * little_edc_21;
-    let little_edc_23 = index_edc_22 * little_edc_17;
-    let little_edc_24 = mul_sub(little_edc_12, little_edc_23, little_edc_22);
-    let little_interosseous_22 = little_interosseous_12
-        * mul_sub(
-            little_interosseous_5,
-            little_interosseous_8,
-            little_interosseous_15 * little_interosseous_18,
-        ) * little_interosseous_21;
-    let little_interosseous_23 = index_interosseous_22 * little_interosseous_18;
-    let little_interosseous_24 = mul_add(
-        little_interosseous_15,
-        little_interosseous_23,
-        little_interosseous_22,
+    let little_edc_22 = little_edc_17 * index_edc_22;
+    let little_edc_23 = neg_mul_add(
+        little_edc_9
+            * mul_add(little_edc_4, little_edc_6, little_edc_12 * little_edc_17),
+        little_edc_21,
+        little_edc_12 * little_edc_22,
+    );
+    let little_interosseous_22 = little_interosseous_18 * index_interosseous_22;
+    let little_interosseous_23 = mul_add(
+        little_interosseous_12
+            * mul_sub(
+                little_interosseous_5,
+                little_interosseous_8,
+                little_interosseous_15 * little_interosseous_18,
+            ),
+        little_interosseous_21,
+        little_interosseous_15 * little_interosseous_22,
     );
     let little_band_28 = little_band_10
         * mul_add(little_band_4, little_band_6, little_band_13 * little_band_20)
         * little_band_27;
-    let little_band_29 = index_interosseous_22 * little_band_20;
+    let little_band_29 = little_band_20 * index_interosseous_22;
     let little_band_30 = neg_mul_add(little_band_13, little_band_29, little_band_28);
-    matrix[325] = mul_sub(0.5, little_ab_51, little_fdp_28) - little_edc_24
-        - little_interosseous_24 - little_band_30;
+    matrix[325] = mul_sub(L::splat(0.5), little_ab_51, little_fdp_27) - little_edc_23
+        - little_interosseous_23 - little_band_30;
     let little_ab_52 = mul_sub(
         little_pip_5,
         little_mcp_13,
         mul_add(little_ab_7, little_ab_38, little_ab_49),
-    ) + mul_add(0.0327, little_pip_4, little_ab_21);
+    ) + mul_add(L::splat(0.0327), little_pip_4, little_ab_21);
     let little_ab_53 = mul_sub(
         little_pip_5,
         little_mcp_10,
         mul_add(little_ab_12, little_ab_34, little_ab_47),
     ) - little_ab_31;
-    let little_ab_54 = 0.5
-        * neg_mul_add(sin_little_mcp, little_ab_52, cos_little_mcp * little_ab_53);
-    let little_fdp_29 = index_fdp_27 * little_fdp_21;
-    let little_edc_25 = index_edc_22 * little_edc_19;
-    let little_band_31 = index_interosseous_22 * little_band_22;
+    let little_ab_54 = neg_mul_add(
+        sin_little_mcp,
+        little_ab_52,
+        cos_little_mcp * little_ab_53,
+    );
+    let little_fdp_28 = little_fdp_21 * index_fdp_27;
+    let little_fdp_29 = little_fdp_12 * little_fdp_28;
+    let little_edc_24 = little_edc_19 * index_edc_22;
+    let little_band_31 = little_band_22 * index_interosseous_22;
     let little_ab_55 = mul_add(
         little_band_13,
         little_band_31,
         mul_add(
             little_edc_12,
-            little_edc_25,
-            mul_add(little_fdp_12, little_fdp_29, little_ab_54),
+            little_edc_24,
+            mul_add(L::splat(0.5), little_ab_54, little_fdp_29),
         ),
     );
     matrix[326] = -little_ab_55;
@@ -5891,27 +6541,31 @@ fn evaluate_with_matrix_part_1(
         little_ab_4,
         mul_add(little_ab_12, little_ab_6, little_ab_26),
     ) - mul_add(little_ab_8, little_pip_3, little_ab_27);
-    let little_ab_58 = 0.5
-        * neg_mul_add(sin_little_mcp, little_ab_56, cos_little_mcp * little_ab_57);
-    let little_fdp_30 = index_fdp_27 * little_fdp_23;
-    let little_band_32 = index_interosseous_22 * little_band_24;
+    let little_ab_58 = neg_mul_add(
+        sin_little_mcp,
+        little_ab_56,
+        cos_little_mcp * little_ab_57,
+    );
+    let little_fdp_30 = little_fdp_23 * index_fdp_27;
+    let little_fdp_31 = little_fdp_12 * little_fdp_30;
+    let little_band_32 = little_band_24 * index_interosseous_22;
     matrix[327] = neg_mul_add(
         little_band_13,
         little_band_32,
-        mul_sub(little_fdp_12, little_fdp_30, little_ab_58),
+        neg_mul_add(L::splat(0.5), little_ab_58, little_fdp_31),
     );
     let little_mcp_18 = little_band_30
-        + (little_interosseous_24
-            + (little_edc_24 + mul_add(0.5, little_ab_51, little_fdp_28)));
+        + (little_interosseous_23
+            + (little_edc_23 + mul_add(L::splat(0.5), little_ab_51, little_fdp_27)));
     matrix[350] = -little_mcp_18;
-    let little_fdp_31 = neg_mul_add(
+    let little_fdp_32 = neg_mul_add(
         little_fdp_19,
         little_fdp_19,
         mul_add(little_fdp_6, little_fdp_6, little_fdp_2 * little_fdp_2),
     );
-    let little_fdp_32 = mul_add(
+    let little_fdp_33 = mul_add(
         little_fdp_9,
-        little_fdp_31,
+        little_fdp_32,
         neg_mul_add(little_fdp_2, little_fdp_10, little_fdp_6 * little_fdp_18),
     );
     let little_mcp_19 = neg_mul_add(
@@ -5923,23 +6577,31 @@ fn evaluate_with_matrix_part_1(
     let little_mcp_21 = little_mcp_13 * little_mcp_12;
     let little_mcp_22 = mul_add(
         index_fdp_25,
-        mul_sub(little_mcp_14, -0.00014965563926121566 - little_mcp_10, little_mcp_21),
-        neg_mul_add(index_ab_37, 3.4478462505758233e-6 + little_mcp_20, little_mcp_19),
+        mul_sub(
+            little_mcp_14,
+            L::splat(-0.00014965563926121566) - little_mcp_10,
+            little_mcp_21,
+        ),
+        neg_mul_add(
+            index_ab_37,
+            L::splat(3.4478462505758233e-6) + little_mcp_20,
+            little_mcp_19,
+        ),
     );
-    let little_edc_26 = neg_mul_add(
+    let little_edc_25 = neg_mul_add(
         little_edc_17,
         little_edc_17,
         mul_add(little_edc_6, little_edc_6, little_edc_1 * little_edc_1),
     );
-    let little_edc_27 = mul_sub(
+    let little_edc_26 = mul_sub(
         little_edc_9,
-        little_edc_26,
+        little_edc_25,
         mul_add(little_edc_1, little_edc_10, little_edc_6 * little_edc_16),
     );
     let little_mcp_23 = little_mcp_22
-        - mul_add(little_fdp_19, little_fdp_27, little_fdp_32 * little_fdp_25)
-        - mul_add(little_edc_17, little_edc_23, little_edc_27 * little_edc_21);
-    let little_interosseous_25 = neg_mul_add(
+        - mul_add(little_fdp_33, little_fdp_25, little_fdp_19 * little_fdp_26)
+        - mul_add(little_edc_26, little_edc_21, little_edc_17 * little_edc_22);
+    let little_interosseous_24 = neg_mul_add(
         little_interosseous_18,
         little_interosseous_18,
         mul_add(
@@ -5948,9 +6610,9 @@ fn evaluate_with_matrix_part_1(
             little_interosseous_2 * little_interosseous_2,
         ),
     );
-    let little_interosseous_26 = mul_add(
+    let little_interosseous_25 = mul_add(
         little_interosseous_12,
-        little_interosseous_25,
+        little_interosseous_24,
         neg_mul_add(
             little_interosseous_2,
             little_interosseous_13,
@@ -5969,32 +6631,37 @@ fn evaluate_with_matrix_part_1(
     );
     let little_mcp_24 = little_mcp_23
         - mul_add(
-            little_interosseous_18,
-            little_interosseous_23,
-            little_interosseous_26 * little_interosseous_21,
-        ) - mul_add(little_band_20, little_band_29, little_band_34 * little_band_27);
-    matrix[351] = little_mcp_24 - value_0;
+            little_interosseous_25,
+            little_interosseous_21,
+            little_interosseous_18 * little_interosseous_22,
+        ) - mul_add(little_band_34, little_band_27, little_band_20 * little_band_29);
+    matrix[351] = little_mcp_24 - c_4;
     let little_mcp_25 = mul_add(
         little_ab_7,
         index_fdp_25 * little_ab_52,
         little_ab_12 * (index_fdp_25 * little_ab_53),
     );
-    let little_mcp_26 = index_ab_37 * neg_mul_add(0.0327, little_mcp_10, little_mcp_20);
-    let little_mcp_27 = 0.00021949719764487134 - little_mcp_10;
+    let little_mcp_26 = index_ab_37
+        * neg_mul_add(L::splat(0.0327), little_mcp_10, little_mcp_20);
+    let little_mcp_27 = L::splat(0.00021949719764487134) - little_mcp_10;
     let little_mcp_28 = mul_sub(little_mcp_14, little_mcp_27, little_mcp_21);
     let little_mcp_29 = mul_sub(
         index_fdp_25,
         little_mcp_28,
         little_mcp_26 + little_mcp_25,
     );
-    let little_mcp_30 = neg_mul_add(little_pip_7, little_mcp_13, 0.0327 * little_pip_6);
+    let little_mcp_30 = neg_mul_add(
+        little_pip_7,
+        little_mcp_13,
+        L::splat(0.0327) * little_pip_6,
+    );
     let little_mcp_31 = neg_mul_add(
         little_edc_17,
-        little_edc_25,
+        little_edc_24,
         neg_mul_add(
             little_fdp_19,
-            little_fdp_29,
-            neg_mul_add(0.5, little_mcp_30, little_mcp_29),
+            little_fdp_28,
+            neg_mul_add(L::splat(0.5), little_mcp_30, little_mcp_29),
         ),
     );
     matrix[352] = mul_add(little_band_20, little_band_31, little_mcp_31);
@@ -6005,8 +6672,16 @@ fn evaluate_with_matrix_part_1(
     );
     let little_mcp_33 = index_ab_37
         * (little_mcp_1 - mul_add(little_ab_8, little_ab_23, little_ab_2 * little_ab_4));
-    let little_mcp_34 = mul_sub(0.002709309504455838, little_ab_2, little_ab_4);
-    let little_mcp_35 = mul_sub(4.903850203065067e-5, sin_little_pip, little_ab_23);
+    let little_mcp_34 = mul_sub(
+        L::splat(0.002709309504455838),
+        little_ab_2,
+        little_ab_4,
+    );
+    let little_mcp_35 = mul_sub(
+        L::splat(4.903850203065067e-5),
+        sin_little_pip,
+        little_ab_23,
+    );
     let little_mcp_36 = index_fdp_25
         * mul_add(little_mcp_14, little_mcp_34, little_mcp_12 * little_mcp_35);
     let little_mcp_37 = little_mcp_36 - (little_mcp_33 + little_mcp_32);
@@ -6021,7 +6696,7 @@ fn evaluate_with_matrix_part_1(
         mul_add(
             little_fdp_19,
             little_fdp_30,
-            neg_mul_add(0.5, little_mcp_38, little_mcp_37),
+            neg_mul_add(L::splat(0.5), little_mcp_38, little_mcp_37),
         ),
     );
     matrix[376] = neg_mul_add(
@@ -6029,43 +6704,43 @@ fn evaluate_with_matrix_part_1(
         little_band_31,
         neg_mul_add(
             little_edc_12,
-            little_edc_25,
-            neg_mul_add(little_fdp_12, little_fdp_29, little_ab_54),
+            little_edc_24,
+            mul_sub(L::splat(0.5), little_ab_54, little_fdp_29),
         ),
     );
     let little_pip_11 = neg_mul_add(
         little_edc_17,
-        little_edc_25,
+        little_edc_24,
         neg_mul_add(
             little_fdp_19,
-            little_fdp_29,
-            mul_add(0.5, little_mcp_30, little_mcp_29),
+            little_fdp_28,
+            mul_add(L::splat(0.5), little_mcp_30, little_mcp_29),
         ),
     );
     matrix[377] = mul_add(little_band_20, little_band_31, little_pip_11);
     let little_pip_12 = mul_sub(
-        0.00021949719764487134,
+        L::splat(0.00021949719764487134),
         little_ab_12,
         mul_add(little_ab_7, little_mcp_13, little_ab_12 * little_mcp_10),
     );
     let little_pip_13 = mul_add(
         little_pip_7,
-        index_fdp_25 * mul_add(0.00021949719764487134, v_little_mcp, little_pip_2),
+        index_fdp_25
+            * mul_add(L::splat(0.00021949719764487134), v_little_mcp, little_pip_2),
         little_pip_5 * (index_fdp_25 * little_pip_12),
     );
     let little_pip_14 = little_pip_13 - little_mcp_25
-        - mul_add(0.0327, index_ab_37 * little_mcp_27, little_mcp_26);
-    let little_fdp_33 = mul_add(
+        - mul_add(L::splat(0.0327), index_ab_37 * little_mcp_27, little_mcp_26);
+    let little_fdp_34 = mul_add(
         little_fdp_21,
-        little_fdp_29,
+        little_fdp_28,
         little_fdp_20 * neg_mul_add(little_fdp_21, little_fdp_21, little_fdp_13)
             * little_fdp_25,
     );
-    let little_edc_28 = mul_add(
-        little_edc_19,
-        little_edc_25,
-        little_edc_18 * neg_mul_add(little_edc_19, little_edc_19, little_edc_13)
-            * little_edc_21,
+    let little_edc_27 = mul_add(
+        little_edc_18 * neg_mul_add(little_edc_19, little_edc_19, little_edc_13),
+        little_edc_21,
+        little_edc_19 * little_edc_24,
     );
     let little_band_35 = mul_add(
         little_band_22,
@@ -6074,28 +6749,32 @@ fn evaluate_with_matrix_part_1(
             * little_band_27,
     );
     let little_pip_15 = mul_add(index_fdp_25, little_mcp_28, little_pip_14)
-        - little_fdp_33 - little_edc_28 - little_band_35;
-    matrix[378] = little_pip_15 - value_0;
+        - little_fdp_34 - little_edc_27 - little_band_35;
+    matrix[378] = little_pip_15 - c_4;
     let little_pip_16 = mul_sub(
-        0.002709309504455838,
+        L::splat(0.002709309504455838),
         little_dip_2,
         mul_add(little_ab_7, little_ab_23, little_ab_12 * little_ab_4),
     );
     let little_pip_17 = index_fdp_25 * little_pip_16;
     let little_pip_18 = index_fdp_25
-        * mul_add(0.002709309504455838, little_dip_3, little_pip_1);
+        * mul_add(L::splat(0.002709309504455838), little_dip_3, little_pip_1);
     let little_pip_19 = index_ab_37 * little_mcp_34;
     let little_pip_20 = mul_add(
         little_pip_7,
         little_pip_18,
         little_pip_5 * little_pip_17,
-    ) - little_mcp_32 - mul_add(0.0327, little_pip_19, little_mcp_33);
+    ) - little_mcp_32 - mul_add(L::splat(0.0327), little_pip_19, little_mcp_33);
     let little_pip_21 = little_mcp_36 + little_pip_20;
-    let little_pip_22 = mul_add(0.002709309504455838, little_dip_4, little_dip_1);
+    let little_pip_22 = mul_add(
+        L::splat(0.002709309504455838),
+        little_dip_4,
+        little_dip_1,
+    );
     let little_pip_23 = neg_mul_add(
         little_pip_7,
         little_mcp_35,
-        neg_mul_add(0.0327, little_pip_22, little_mcp_38),
+        neg_mul_add(L::splat(0.0327), little_pip_22, little_mcp_38),
     );
     matrix[379] = neg_mul_add(
         little_band_22,
@@ -6103,23 +6782,31 @@ fn evaluate_with_matrix_part_1(
         mul_add(
             little_fdp_21,
             little_fdp_30,
-            neg_mul_add(0.5, little_pip_23, little_pip_21),
+            neg_mul_add(L::splat(0.5), little_pip_23, little_pip_21),
         ),
     );
     matrix[402] = neg_mul_add(
         little_band_13,
         little_band_32,
-        mul_add(little_fdp_12, little_fdp_30, little_ab_58),
+        mul_add(L::splat(0.5), little_ab_58, little_fdp_31),
     );
     matrix[403] = mul_add(
         little_band_20,
         little_band_32,
-        mul_add(little_fdp_19, little_fdp_30, mul_add(0.5, little_mcp_38, little_mcp_37)),
+        mul_add(
+            little_fdp_19,
+            little_fdp_30,
+            mul_add(L::splat(0.5), little_mcp_38, little_mcp_37),
+        ),
     );
     matrix[404] = neg_mul_add(
         little_band_22,
         little_band_32,
-        mul_add(little_fdp_21, little_fdp_30, mul_add(0.5, little_pip_23, little_pip_21)),
+        mul_add(
+            little_fdp_21,
+            little_fdp_30,
+            mul_add(L::splat(0.5), little_pip_23, little_pip_21),
+        ),
     );
     let little_dip_8 = mul_add(
         little_dip_4,
@@ -6128,11 +6815,10 @@ fn evaluate_with_matrix_part_1(
     );
     let little_dip_9 = little_mcp_33
         + mul_add(little_ab_8, index_ab_37 * little_mcp_35, little_ab_2 * little_pip_19);
-    let little_fdp_34 = mul_add(
-        little_fdp_23,
-        little_fdp_30,
-        little_fdp_22 * neg_mul_add(little_fdp_23, little_fdp_23, little_fdp_15)
-            * little_fdp_25,
+    let little_fdp_35 = mul_add(
+        little_fdp_22 * neg_mul_add(little_fdp_23, little_fdp_23, little_fdp_15),
+        little_fdp_25,
+        little_fdp_23 * little_fdp_30,
     );
     let little_band_36 = mul_add(
         little_band_24,
@@ -6141,8 +6827,8 @@ fn evaluate_with_matrix_part_1(
             * little_band_27,
     );
     let little_dip_10 = little_mcp_36 + (little_dip_8 - little_mcp_32 - little_dip_9)
-        - little_fdp_34 - little_band_36;
-    matrix[405] = little_dip_10 - value_0;
+        - little_fdp_35 - little_band_36;
+    matrix[405] = little_dip_10 - c_4;
     let thumb_fpl_27 = neg_mul_add(
         thumb_fpl_15,
         thumb_fpl_15,
@@ -6154,15 +6840,15 @@ fn evaluate_with_matrix_part_1(
         neg_mul_add(thumb_fpl_4, thumb_fpl_13, thumb_fpl_6 * thumb_fpl_14),
     );
     let thumb_fpl_29 = index_fdp_25 * thumb_fpl_20;
-    work[67] = thumb_fpl_29;
+    work[52] = thumb_fpl_29;
     let thumb_ab_41 = thumb_ab_17 + thumb_ab_6;
-    let thumb_ab_42 = 1.4328995574980243e-5 + thumb_ab_41;
+    let thumb_ab_42 = L::splat(1.4328995574980243e-5) + thumb_ab_41;
     let thumb_ab_43 = thumb_ab_20 + thumb_ab_11;
     let thumb_ab_44 = cos_thumb_cmc
         * (index_ab_37
             * neg_mul_add(sin_thumb_cmc, thumb_ab_43, cos_thumb_cmc * thumb_ab_42));
     let thumb_ab_45 = thumb_ab_30 + thumb_ab_25;
-    let thumb_ab_46 = 1.1687598348270992e-6 + thumb_ab_45;
+    let thumb_ab_46 = L::splat(1.1687598348270992e-6) + thumb_ab_45;
     let thumb_ab_47 = mul_sub(
         sin_thumb_cmc,
         index_ab_37
@@ -6177,9 +6863,9 @@ fn evaluate_with_matrix_part_1(
     );
     let thumb_ab_50 = thumb_ab_47 + thumb_ab_49
         - mul_add(
-            thumb_fpl_15,
-            index_fdp_27 * thumb_fpl_15,
-            thumb_fpl_28 * thumb_fpl_29,
+            thumb_fpl_28,
+            thumb_fpl_29,
+            thumb_fpl_15 * (thumb_fpl_15 * index_fdp_27),
         );
     let thumb_epl_25 = neg_mul_add(
         thumb_epl_13,
@@ -6192,11 +6878,11 @@ fn evaluate_with_matrix_part_1(
         neg_mul_add(thumb_epl_2, thumb_epl_11, thumb_epl_4 * thumb_epl_12),
     );
     let thumb_epl_27 = index_fdp_25 * thumb_epl_18;
-    work[71] = thumb_epl_27;
+    work[56] = thumb_epl_27;
     let thumb_ab_51 = thumb_ab_50
         - mul_add(
             thumb_epl_13,
-            index_edc_22 * thumb_epl_13,
+            thumb_epl_13 * index_edc_22,
             thumb_epl_26 * thumb_epl_27,
         );
     let thumb_epb_14 = neg_mul_add(
@@ -6210,12 +6896,12 @@ fn evaluate_with_matrix_part_1(
         mul_add(thumb_epb_1, thumb_epb_8, thumb_epb_3 * thumb_epb_9),
     );
     let thumb_epb_16 = index_fdp_25 * thumb_epb_11;
-    work[75] = thumb_epb_16;
+    work[61] = thumb_epb_16;
     let thumb_ab_52 = thumb_ab_51
         - mul_add(
-            thumb_epb_10,
-            index_interosseous_22 * thumb_epb_10,
-            thumb_epb_15 * thumb_epb_16,
+            thumb_epb_15,
+            thumb_epb_16,
+            thumb_epb_10 * (thumb_epb_10 * index_interosseous_22),
         );
     let thumb_apl_19 = neg_mul_add(
         thumb_apl_15,
@@ -6230,9 +6916,9 @@ fn evaluate_with_matrix_part_1(
     let thumb_apl_21 = index_fdp_25 * thumb_apl_16;
     let thumb_ab_53 = thumb_ab_52
         - mul_add(
-            thumb_apl_15,
-            index_interosseous_22 * thumb_apl_15,
-            thumb_apl_20 * thumb_apl_21,
+            thumb_apl_20,
+            thumb_apl_21,
+            thumb_apl_15 * (thumb_apl_15 * index_interosseous_22),
         );
     let thumb_apb_21 = neg_mul_add(
         thumb_apb_13,
@@ -6245,11 +6931,11 @@ fn evaluate_with_matrix_part_1(
         mul_add(thumb_apb_1, thumb_apb_11, thumb_apb_4 * thumb_apb_12),
     );
     let thumb_apb_23 = index_fdp_25 * thumb_apb_16;
-    work[4] = thumb_apb_23;
+    work[60] = thumb_apb_23;
     let thumb_ab_54 = thumb_ab_53
         - mul_add(
             thumb_apb_13,
-            index_interosseous_22 * thumb_apb_13,
+            thumb_apb_13 * index_interosseous_22,
             thumb_apb_22 * thumb_apb_23,
         );
     let thumb_opp_17 = neg_mul_add(
@@ -6263,12 +6949,11 @@ fn evaluate_with_matrix_part_1(
         neg_mul_add(thumb_opp_2, thumb_opp_11, thumb_opp_4 * thumb_opp_12),
     );
     let thumb_opp_19 = index_fdp_25 * thumb_opp_14;
-    work[8] = thumb_opp_19;
     let thumb_ab_55 = thumb_ab_54
         - mul_add(
-            thumb_opp_13,
-            index_interosseous_22 * thumb_opp_13,
-            thumb_opp_18 * thumb_opp_19,
+            thumb_opp_18,
+            thumb_opp_19,
+            thumb_opp_13 * (thumb_opp_13 * index_interosseous_22),
         );
     let thumb_adp_21 = neg_mul_add(
         thumb_adp_13,
@@ -6281,24 +6966,26 @@ fn evaluate_with_matrix_part_1(
         mul_sub(thumb_adp_1, thumb_adp_11, thumb_adp_4 * thumb_adp_12),
     );
     let thumb_adp_23 = index_fdp_25 * thumb_adp_16;
-    work[16] = thumb_adp_23;
+    work[65] = thumb_adp_23;
     let thumb_ab_56 = thumb_ab_55
         - mul_add(
             thumb_adp_13,
-            index_interosseous_22 * thumb_adp_13,
+            thumb_adp_13 * index_interosseous_22,
             thumb_adp_22 * thumb_adp_23,
         );
-    matrix[432] = thumb_ab_56 - value_0;
-    let thumb_fpl_30 = thumb_fpl_12
-        * mul_sub(thumb_fpl_6, thumb_fpl_8, thumb_fpl_15 * thumb_fpl_22) * thumb_fpl_29;
-    let thumb_fpl_31 = index_fdp_27 * thumb_fpl_22;
-    let thumb_fpl_32 = mul_add(thumb_fpl_15, thumb_fpl_31, thumb_fpl_30);
+    matrix[432] = thumb_ab_56 - c_4;
+    let thumb_fpl_30 = thumb_fpl_22 * index_fdp_27;
+    let thumb_fpl_31 = mul_add(
+        thumb_fpl_12 * mul_sub(thumb_fpl_6, thumb_fpl_8, thumb_fpl_15 * thumb_fpl_22),
+        thumb_fpl_29,
+        thumb_fpl_15 * thumb_fpl_30,
+    );
     let thumb_ab_57 = thumb_ab_7 * thumb_ab_43;
     let thumb_ab_58 = thumb_ab_32 + mul_add(thumb_ab_12, thumb_ab_42, thumb_ab_57);
     let thumb_ab_59 = thumb_ab_12 * thumb_ab_43;
     let thumb_ab_60 = thumb_ab_22 - mul_add(thumb_ab_7, thumb_ab_46, thumb_ab_59);
     let thumb_ab_61 = mul_add(sin_thumb_cmc, thumb_ab_60, cos_thumb_cmc * thumb_ab_58);
-    let thumb_ab_62 = -0.00044625375511580167 - thumb_ab_33;
+    let thumb_ab_62 = L::splat(-0.00044625375511580167) - thumb_ab_33;
     let thumb_ab_63 = cos_thumb_cmc * (index_fdp_25 * thumb_ab_37);
     let thumb_ab_64 = neg_mul_add(
         sin_thumb_cmc,
@@ -6308,84 +6995,91 @@ fn evaluate_with_matrix_part_1(
     let thumb_epl_28 = thumb_epl_10
         * neg_mul_add(thumb_epl_4, thumb_epl_6, thumb_epl_13 * thumb_epl_20)
         * thumb_epl_27;
-    let thumb_epl_29 = index_edc_22 * thumb_epl_20;
+    let thumb_epl_29 = thumb_epl_20 * index_edc_22;
     let thumb_epl_30 = neg_mul_add(thumb_epl_13, thumb_epl_29, thumb_epl_28);
-    let thumb_epb_17 = thumb_epb_7
-        * mul_add(thumb_epl_6, thumb_epb_3, thumb_epb_10 * thumb_epb_13) * thumb_epb_16;
-    let thumb_epb_18 = index_interosseous_22 * thumb_epb_13;
-    let thumb_epb_19 = mul_sub(thumb_epb_10, thumb_epb_18, thumb_epb_17);
-    let thumb_ab_65 = mul_add(0.5, thumb_ab_61, thumb_ab_64) - thumb_fpl_32
-        - thumb_epl_30 - thumb_epb_19;
-    let thumb_apl_22 = thumb_apl_12
-        * mul_add(thumb_apl_5, thumb_apl_8, thumb_apl_15 * thumb_apl_18) * thumb_apl_21;
-    let thumb_apl_23 = index_interosseous_22 * thumb_apl_18;
-    let thumb_apl_24 = mul_sub(thumb_apl_15, thumb_apl_23, thumb_apl_22);
+    let thumb_epb_17 = thumb_epb_13 * index_interosseous_22;
+    let thumb_epb_18 = neg_mul_add(
+        thumb_epb_7 * mul_add(thumb_epl_6, thumb_epb_3, thumb_epb_10 * thumb_epb_13),
+        thumb_epb_16,
+        thumb_epb_10 * thumb_epb_17,
+    );
+    let thumb_ab_65 = mul_add(L::splat(0.5), thumb_ab_61, thumb_ab_64) - thumb_fpl_31
+        - thumb_epl_30 - thumb_epb_18;
+    let thumb_apl_22 = thumb_apl_18 * index_interosseous_22;
+    let thumb_apl_23 = neg_mul_add(
+        thumb_apl_12 * mul_add(thumb_apl_5, thumb_apl_8, thumb_apl_15 * thumb_apl_18),
+        thumb_apl_21,
+        thumb_apl_15 * thumb_apl_22,
+    );
     let thumb_apb_24 = thumb_apb_10
         * mul_add(thumb_apb_4, thumb_apb_6, thumb_apb_13 * thumb_apb_18) * thumb_apb_23;
-    let thumb_apb_25 = index_interosseous_22 * thumb_apb_18;
-    work[2] = thumb_apb_25;
+    let thumb_apb_25 = thumb_apb_18 * index_interosseous_22;
     let thumb_apb_26 = neg_mul_add(thumb_apb_13, thumb_apb_25, thumb_apb_24);
-    let thumb_opp_20 = thumb_opp_10
-        * mul_sub(thumb_opp_4, thumb_opp_6, thumb_opp_13 * thumb_opp_16) * thumb_opp_19;
-    let thumb_opp_21 = index_interosseous_22 * thumb_opp_16;
-    work[6] = thumb_opp_21;
-    let thumb_opp_22 = mul_add(thumb_opp_13, thumb_opp_21, thumb_opp_20);
+    let thumb_opp_20 = thumb_opp_16 * index_interosseous_22;
+    let thumb_opp_21 = mul_add(
+        thumb_opp_10 * mul_sub(thumb_opp_4, thumb_opp_6, thumb_opp_13 * thumb_opp_16),
+        thumb_opp_19,
+        thumb_opp_13 * thumb_opp_20,
+    );
     let thumb_adp_24 = thumb_adp_10
         * neg_mul_add(thumb_adp_4, thumb_adp_6, thumb_adp_13 * thumb_adp_18)
         * thumb_adp_23;
-    let thumb_adp_25 = index_interosseous_22 * thumb_adp_18;
-    work[15] = thumb_adp_25;
+    let thumb_adp_25 = thumb_adp_18 * index_interosseous_22;
     let thumb_adp_26 = neg_mul_add(thumb_adp_13, thumb_adp_25, thumb_adp_24);
-    matrix[433] = thumb_ab_65 - thumb_apl_24 - thumb_apb_26 - thumb_opp_22
+    matrix[433] = thumb_ab_65 - thumb_apl_23 - thumb_apb_26 - thumb_opp_21
         - thumb_adp_26;
     let thumb_ab_66 = mul_sub(
         thumb_mcp_5,
         thumb_ab_36,
         mul_add(thumb_ab_7, thumb_ab_45, thumb_ab_59),
-    ) + mul_add(0.046200000000000005, thumb_mcp_4, thumb_ab_21);
-    work[19] = thumb_ab_66;
+    ) + mul_add(L::splat(0.046200000000000005), thumb_mcp_4, thumb_ab_21);
+    work[2] = thumb_ab_66;
     let thumb_ab_67 = mul_sub(
         thumb_mcp_5,
         thumb_ab_33,
         mul_add(thumb_ab_12, thumb_ab_41, thumb_ab_57),
     ) - thumb_ab_31;
-    work[21] = thumb_ab_67;
+    work[4] = thumb_ab_67;
     let thumb_ab_68 = neg_mul_add(
         sin_thumb_cmc,
         thumb_ab_66,
         cos_thumb_cmc * thumb_ab_67,
     );
-    work[57] = thumb_ab_68;
-    let thumb_ab_69 = 0.0007851390259858244 - thumb_ab_33;
-    work[26] = thumb_ab_69;
+    work[42] = thumb_ab_68;
+    let thumb_ab_69 = L::splat(0.0007851390259858244) - thumb_ab_33;
+    work[9] = thumb_ab_69;
     let thumb_ab_70 = neg_mul_add(
         sin_thumb_cmc,
         index_fdp_25 * (thumb_ab_35 * thumb_ab_69),
         thumb_ab_63,
     );
-    work[58] = thumb_ab_70;
-    let thumb_fpl_33 = index_fdp_27 * thumb_fpl_24;
-    work[34] = thumb_fpl_33;
-    let thumb_epl_31 = index_edc_22 * thumb_epl_22;
-    work[32] = thumb_epl_31;
+    work[43] = thumb_ab_70;
+    let thumb_fpl_32 = thumb_fpl_24 * index_fdp_27;
+    work[17] = thumb_fpl_32;
+    let thumb_epl_31 = thumb_epl_22 * index_edc_22;
+    work[15] = thumb_epl_31;
     let thumb_ab_71 = mul_add(
         thumb_epl_13,
         thumb_epl_31,
-        mul_add(thumb_fpl_15, thumb_fpl_33, neg_mul_add(0.5, thumb_ab_68, thumb_ab_70)),
+        mul_add(
+            thumb_fpl_15,
+            thumb_fpl_32,
+            neg_mul_add(L::splat(0.5), thumb_ab_68, thumb_ab_70),
+        ),
     );
-    let thumb_epb_20 = index_interosseous_22 * thumb_epl_22;
-    work[38] = thumb_epb_20;
-    let thumb_apb_27 = index_interosseous_22 * thumb_apb_20;
-    work[36] = thumb_apb_27;
-    let thumb_adp_27 = index_interosseous_22 * thumb_adp_20;
-    work[35] = thumb_adp_27;
+    let thumb_epb_19 = thumb_epl_22 * index_interosseous_22;
+    work[23] = thumb_epb_19;
+    let thumb_apb_27 = thumb_apb_20 * index_interosseous_22;
+    work[21] = thumb_apb_27;
+    let thumb_adp_27 = thumb_adp_20 * index_interosseous_22;
+    work[19] = thumb_adp_27;
     matrix[434] = mul_add(
         thumb_adp_13,
         thumb_adp_27,
         mul_add(
             thumb_apb_13,
             thumb_apb_27,
-            neg_mul_add(thumb_epb_10, thumb_epb_20, thumb_ab_71),
+            neg_mul_add(thumb_epb_10, thumb_epb_19, thumb_ab_71),
         ),
     );
     let thumb_ab_72 = mul_sub(
@@ -6393,50 +7087,58 @@ fn evaluate_with_matrix_part_1(
         thumb_ab_23,
         mul_add(thumb_ab_7, thumb_ab_25, thumb_ab_13),
     ) + mul_add(thumb_ab_2, thumb_mcp_3, thumb_ab_14);
-    work[39] = thumb_ab_72;
+    work[24] = thumb_ab_72;
     let thumb_ab_73 = mul_sub(
         thumb_ip_2,
         thumb_ab_4,
         mul_add(thumb_ab_12, thumb_ab_6, thumb_ab_26),
     ) - mul_add(thumb_ab_8, thumb_mcp_3, thumb_ab_27);
-    work[40] = thumb_ab_73;
+    work[25] = thumb_ab_73;
     let thumb_ab_74 = neg_mul_add(
         sin_thumb_cmc,
         thumb_ab_72,
         cos_thumb_cmc * thumb_ab_73,
     );
-    work[80] = thumb_ab_74;
-    let thumb_ab_75 = mul_sub(0.006074175147936257, thumb_ab_2, thumb_ab_4);
-    work[46] = thumb_ab_75;
-    let thumb_ab_76 = mul_sub(0.00019194393467478576, sin_thumb_mcp, thumb_ab_23);
-    work[48] = thumb_ab_76;
+    work[67] = thumb_ab_74;
+    let thumb_ab_75 = mul_sub(L::splat(0.006074175147936257), thumb_ab_2, thumb_ab_4);
+    work[31] = thumb_ab_75;
+    let thumb_ab_76 = mul_sub(
+        L::splat(0.00019194393467478576),
+        sin_thumb_mcp,
+        thumb_ab_23,
+    );
+    work[33] = thumb_ab_76;
     let thumb_ab_77 = mul_add(
         sin_thumb_cmc,
         index_fdp_25 * (thumb_ab_35 * thumb_ab_75),
         cos_thumb_cmc * (index_fdp_25 * (thumb_ab_35 * thumb_ab_76)),
     );
-    work[81] = thumb_ab_77;
-    let thumb_fpl_34 = index_fdp_27 * thumb_fpl_26;
-    work[54] = thumb_fpl_34;
-    let thumb_epl_32 = index_edc_22 * thumb_epl_24;
-    work[53] = thumb_epl_32;
+    work[68] = thumb_ab_77;
+    let thumb_fpl_33 = thumb_fpl_26 * index_fdp_27;
+    work[39] = thumb_fpl_33;
+    let thumb_epl_32 = thumb_epl_24 * index_edc_22;
+    work[38] = thumb_epl_32;
     matrix[435] = mul_sub(
         thumb_epl_13,
         thumb_epl_32,
-        mul_add(thumb_fpl_15, thumb_fpl_34, mul_add(0.5, thumb_ab_74, thumb_ab_77)),
+        mul_add(
+            thumb_fpl_15,
+            thumb_fpl_33,
+            mul_add(L::splat(0.5), thumb_ab_74, thumb_ab_77),
+        ),
     );
-    let thumb_cmc_20 = neg_mul_add(0.5, thumb_ab_61, thumb_ab_64) - thumb_fpl_32
-        - thumb_epl_30 - thumb_epb_19;
-    matrix[458] = thumb_cmc_20 - thumb_apl_24 - thumb_apb_26 - thumb_opp_22
+    let thumb_cmc_20 = neg_mul_add(L::splat(0.5), thumb_ab_61, thumb_ab_64)
+        - thumb_fpl_31 - thumb_epl_30 - thumb_epb_18;
+    matrix[458] = thumb_cmc_20 - thumb_apl_23 - thumb_apb_26 - thumb_opp_21
         - thumb_adp_26;
-    let thumb_fpl_35 = neg_mul_add(
+    let thumb_fpl_34 = neg_mul_add(
         thumb_fpl_22,
         thumb_fpl_22,
         mul_add(thumb_fpl_8, thumb_fpl_8, thumb_fpl_3 * thumb_fpl_3),
     );
-    let thumb_fpl_36 = mul_add(
+    let thumb_fpl_35 = mul_add(
         thumb_fpl_12,
-        thumb_fpl_35,
+        thumb_fpl_34,
         neg_mul_add(thumb_fpl_3, thumb_fpl_13, thumb_fpl_8 * thumb_fpl_21),
     );
     let thumb_cmc_21 = neg_mul_add(
@@ -6445,13 +7147,17 @@ fn evaluate_with_matrix_part_1(
         thumb_ab_12 * (index_fdp_25 * thumb_ab_58),
     );
     let thumb_cmc_22 = thumb_cmc_8 + thumb_cmc_1;
-    work[24] = thumb_cmc_22;
+    work[7] = thumb_cmc_22;
     let thumb_cmc_23 = thumb_ab_36 * thumb_cmc_12;
-    work[27] = thumb_cmc_23;
+    work[10] = thumb_cmc_23;
     let thumb_cmc_24 = mul_add(
         index_fdp_25,
         mul_sub(thumb_cmc_15, thumb_ab_62, thumb_cmc_23),
-        neg_mul_add(index_ab_37, 1.4328995574980243e-5 + thumb_cmc_22, thumb_cmc_21),
+        neg_mul_add(
+            index_ab_37,
+            L::splat(1.4328995574980243e-5) + thumb_cmc_22,
+            thumb_cmc_21,
+        ),
     );
     let thumb_epl_33 = mul_add(thumb_epl_6, thumb_epl_6, thumb_epl_1 * thumb_epl_1);
     let thumb_epl_34 = mul_sub(
@@ -6460,27 +7166,26 @@ fn evaluate_with_matrix_part_1(
         mul_add(thumb_epl_1, thumb_epl_11, thumb_epl_6 * thumb_epl_19),
     );
     let thumb_cmc_25 = thumb_cmc_24
-        - mul_add(thumb_fpl_22, thumb_fpl_31, thumb_fpl_36 * thumb_fpl_29)
-        - mul_add(thumb_epl_20, thumb_epl_29, thumb_epl_34 * thumb_epl_27);
-    let thumb_epb_21 = mul_sub(
+        - mul_add(thumb_fpl_35, thumb_fpl_29, thumb_fpl_22 * thumb_fpl_30)
+        - mul_add(thumb_epl_34, thumb_epl_27, thumb_epl_20 * thumb_epl_29);
+    let thumb_epb_20 = mul_sub(
         thumb_epb_7,
         neg_mul_add(thumb_epb_13, thumb_epb_13, thumb_epl_33),
         mul_add(thumb_epl_1, thumb_epb_8, thumb_epl_6 * thumb_epb_12),
     );
-    let thumb_apl_25 = neg_mul_add(
+    let thumb_apl_24 = neg_mul_add(
         thumb_apl_18,
         thumb_apl_18,
         mul_add(thumb_apl_8, thumb_apl_8, thumb_apl_3 * thumb_apl_3),
     );
-    let thumb_apl_26 = mul_sub(
+    let thumb_apl_25 = mul_sub(
         thumb_apl_12,
-        thumb_apl_25,
+        thumb_apl_24,
         mul_add(thumb_apl_3, thumb_apl_13, thumb_apl_8 * thumb_apl_17),
     );
     let thumb_cmc_26 = thumb_cmc_25
-        - mul_add(thumb_epb_13, thumb_epb_18, thumb_epb_21 * thumb_epb_16)
-        - mul_add(thumb_apl_18, thumb_apl_23, thumb_apl_26 * thumb_apl_21);
-    work[0] = thumb_cmc_26;
+        - mul_add(thumb_epb_13, thumb_epb_17, thumb_epb_20 * thumb_epb_16)
+        - mul_add(thumb_apl_25, thumb_apl_21, thumb_apl_18 * thumb_apl_22);
     let thumb_apb_28 = neg_mul_add(
         thumb_apb_18,
         thumb_apb_18,
@@ -6491,144 +7196,19 @@ fn evaluate_with_matrix_part_1(
         thumb_apb_28,
         neg_mul_add(thumb_apb_2, thumb_apb_11, thumb_apb_6 * thumb_apb_17),
     );
-    work[3] = thumb_apb_29;
-    let thumb_opp_23 = neg_mul_add(
+    let thumb_opp_22 = neg_mul_add(
         thumb_opp_16,
         thumb_opp_16,
         mul_add(thumb_opp_6, thumb_opp_6, thumb_opp_1 * thumb_opp_1),
     );
-    let thumb_opp_24 = mul_add(
+    let thumb_opp_23 = mul_add(
         thumb_opp_10,
-        thumb_opp_23,
+        thumb_opp_22,
         neg_mul_add(thumb_opp_1, thumb_opp_11, thumb_opp_6 * thumb_opp_15),
     );
-    work[7] = thumb_opp_24;
-}
-
-#[inline(never)]
-fn evaluate_with_matrix_part_2(
-    v: &[f64; COORDINATES],
-    values: &[f64; VALUES],
-    matrix: &mut [f64; MATRIX],
-    work: &mut [f64; 110],
-) {
-    let v_thumb_cmc = v[coordinate::THUMB_CMC];
-    let v_ball_ty = v[coordinate::BALL_TY];
-    let v_ball_tz = v[coordinate::BALL_TZ];
-    let value_0 = values[0];
-    let thumb_cmc_26 = work[0];
-    let thumb_apb_18 = work[1];
-    let thumb_apb_25 = work[2];
-    let thumb_apb_29 = work[3];
-    let thumb_apb_23 = work[4];
-    let thumb_opp_16 = work[5];
-    let thumb_opp_21 = work[6];
-    let thumb_opp_24 = work[7];
-    let thumb_opp_19 = work[8];
-    let thumb_adp_18 = work[9];
-    let thumb_adp_6 = work[10];
-    let thumb_adp_2 = work[11];
-    let thumb_adp_10 = work[12];
-    let thumb_adp_11 = work[13];
-    let thumb_adp_17 = work[14];
-    let thumb_adp_25 = work[15];
-    let thumb_adp_23 = work[16];
-    let thumb_ab_7 = work[17];
-    let index_fdp_25 = work[18];
-    let thumb_ab_66 = work[19];
-    let thumb_ab_12 = work[20];
-    let thumb_ab_67 = work[21];
-    let index_ab_37 = work[22];
-    let thumb_ab_33 = work[23];
-    let thumb_cmc_22 = work[24];
-    let thumb_cmc_15 = work[25];
-    let thumb_ab_69 = work[26];
-    let thumb_cmc_23 = work[27];
-    let thumb_mcp_7 = work[28];
-    let thumb_ab_36 = work[29];
-    let thumb_mcp_6 = work[30];
-    let thumb_epl_20 = work[31];
-    let thumb_epl_31 = work[32];
-    let thumb_fpl_22 = work[33];
-    let thumb_fpl_33 = work[34];
-    let thumb_adp_27 = work[35];
-    let thumb_apb_27 = work[36];
-    let thumb_epb_13 = work[37];
-    let thumb_epb_20 = work[38];
-    let thumb_ab_72 = work[39];
-    let thumb_ab_73 = work[40];
-    let thumb_cmc_1 = work[41];
-    let thumb_ab_8 = work[42];
-    let thumb_ab_23 = work[43];
-    let thumb_ab_2 = work[44];
-    let thumb_ab_4 = work[45];
-    let thumb_ab_75 = work[46];
-    let thumb_cmc_12 = work[47];
-    let thumb_ab_76 = work[48];
-    let thumb_ip_3 = work[49];
-    let thumb_ip_4 = work[50];
-    let thumb_ip_1 = work[51];
-    let thumb_mcp_1 = work[52];
-    let thumb_epl_32 = work[53];
-    let thumb_fpl_34 = work[54];
-    let thumb_epl_13 = work[55];
-    let thumb_fpl_15 = work[56];
-    let thumb_ab_68 = work[57];
-    let thumb_ab_70 = work[58];
-    let thumb_adp_13 = work[59];
-    let thumb_apb_13 = work[60];
-    let thumb_epb_10 = work[61];
-    let thumb_mcp_2 = work[62];
-    let thumb_mcp_5 = work[63];
-    let thumb_fpl_24 = work[64];
-    let thumb_fpl_23 = work[65];
-    let thumb_fpl_16 = work[66];
-    let thumb_fpl_29 = work[67];
-    let thumb_epl_21 = work[68];
-    let thumb_epl_22 = work[69];
-    let thumb_epl_14 = work[70];
-    let thumb_epl_27 = work[71];
-    let thumb_apb_20 = work[72];
-    let thumb_apb_19 = work[73];
-    let thumb_apb_14 = work[74];
-    let thumb_epb_16 = work[75];
-    let thumb_adp_20 = work[76];
-    let thumb_adp_19 = work[77];
-    let thumb_adp_14 = work[78];
-    let thumb_ip_2 = work[79];
-    let thumb_ab_74 = work[80];
-    let thumb_ab_77 = work[81];
-    let thumb_fpl_26 = work[82];
-    let thumb_fpl_25 = work[83];
-    let thumb_fpl_18 = work[84];
-    let thumb_epl_24 = work[85];
-    let thumb_epl_23 = work[86];
-    let thumb_epl_16 = work[87];
-    let ball_ry_9 = work[88];
-    let cos_ball_rx = work[89];
-    let ball_tz_1 = work[90];
-    let sin_ball_rx = work[91];
-    let ball_ty_1 = work[92];
-    let ball_rz_5 = work[93];
-    let ball_ry_4 = work[94];
-    let ball_ry_1 = work[95];
-    let ball_ry_10 = work[96];
-    let ball_tx_1 = work[97];
-    let ball_rz_6 = work[98];
-    let sin_ball_ry = work[99];
-    let ball_ry_11 = work[100];
-    let ball_rz_7 = work[101];
-    let ball_ry_3 = work[102];
-    let ball_ry_6 = work[103];
-    let ball_rz_2 = work[104];
-    let ball_ry_8 = work[105];
-    let ball_rx_1 = work[106];
-    let ball_ry_7 = work[107];
-    let ball_rz_1 = work[108];
-    let ball_rz_3 = work[109];
     let thumb_cmc_27 = thumb_cmc_26
         - mul_add(thumb_apb_18, thumb_apb_25, thumb_apb_29 * thumb_apb_23)
-        - mul_add(thumb_opp_16, thumb_opp_21, thumb_opp_24 * thumb_opp_19);
+        - mul_add(thumb_opp_23, thumb_opp_19, thumb_opp_16 * thumb_opp_20);
     let thumb_adp_28 = neg_mul_add(
         thumb_adp_18,
         thumb_adp_18,
@@ -6640,25 +7220,140 @@ fn evaluate_with_matrix_part_2(
         neg_mul_add(thumb_adp_2, thumb_adp_11, thumb_adp_6 * thumb_adp_17),
     );
     matrix[459] = thumb_cmc_27
-        - mul_add(thumb_adp_18, thumb_adp_25, thumb_adp_29 * thumb_adp_23) - value_0;
+        - mul_add(thumb_adp_29, thumb_adp_23, thumb_adp_18 * thumb_adp_25) - c_4;
+}
+
+#[inline(never)]
+fn evaluate_with_matrix_part_2<L: Lane>(
+    v: &[L; 26],
+    constants: &[f64],
+    matrix: &mut [L; 676],
+    work: &mut [L; 97],
+) {
+    let constants = &constants[..5 * L::WIDTH];
+    let v_thumb_cmc = v[17];
+    let v_ball_ty = v[21];
+    let v_ball_tz = v[22];
+    let c_4 = L::load(&constants[4 * L::WIDTH..]);
+    let thumb_ab_7 = work[0];
+    let index_fdp_25 = work[1];
+    let thumb_ab_66 = work[2];
+    let thumb_ab_12 = work[3];
+    let thumb_ab_67 = work[4];
+    let index_ab_37 = work[5];
+    let thumb_ab_33 = work[6];
+    let thumb_cmc_22 = work[7];
+    let thumb_cmc_15 = work[8];
+    let thumb_ab_69 = work[9];
+    let thumb_cmc_23 = work[10];
+    let thumb_mcp_7 = work[11];
+    let thumb_ab_36 = work[12];
+    let thumb_mcp_6 = work[13];
+    let thumb_epl_20 = work[14];
+    let thumb_epl_31 = work[15];
+    let thumb_fpl_22 = work[16];
+    let thumb_fpl_32 = work[17];
+    let thumb_adp_18 = work[18];
+    let thumb_adp_27 = work[19];
+    let thumb_apb_18 = work[20];
+    let thumb_apb_27 = work[21];
+    let thumb_epb_13 = work[22];
+    let thumb_epb_19 = work[23];
+    let thumb_ab_72 = work[24];
+    let thumb_ab_73 = work[25];
+    let thumb_cmc_1 = work[26];
+    let thumb_ab_8 = work[27];
+    let thumb_ab_23 = work[28];
+    let thumb_ab_2 = work[29];
+    let thumb_ab_4 = work[30];
+    let thumb_ab_75 = work[31];
+    let thumb_cmc_12 = work[32];
+    let thumb_ab_76 = work[33];
+    let thumb_ip_3 = work[34];
+    let thumb_ip_4 = work[35];
+    let thumb_ip_1 = work[36];
+    let thumb_mcp_1 = work[37];
+    let thumb_epl_32 = work[38];
+    let thumb_fpl_33 = work[39];
+    let thumb_epl_13 = work[40];
+    let thumb_fpl_15 = work[41];
+    let thumb_ab_68 = work[42];
+    let thumb_ab_70 = work[43];
+    let thumb_adp_13 = work[44];
+    let thumb_apb_13 = work[45];
+    let thumb_epb_10 = work[46];
+    let thumb_mcp_2 = work[47];
+    let thumb_mcp_5 = work[48];
+    let thumb_fpl_24 = work[49];
+    let thumb_fpl_23 = work[50];
+    let thumb_fpl_16 = work[51];
+    let thumb_fpl_29 = work[52];
+    let thumb_epl_21 = work[53];
+    let thumb_epl_22 = work[54];
+    let thumb_epl_14 = work[55];
+    let thumb_epl_27 = work[56];
+    let thumb_apb_20 = work[57];
+    let thumb_apb_19 = work[58];
+    let thumb_apb_14 = work[59];
+    let thumb_apb_23 = work[60];
+    let thumb_epb_16 = work[61];
+    let thumb_adp_20 = work[62];
+    let thumb_adp_19 = work[63];
+    let thumb_adp_14 = work[64];
+    let thumb_adp_23 = work[65];
+    let thumb_ip_2 = work[66];
+    let thumb_ab_74 = work[67];
+    let thumb_ab_77 = work[68];
+    let thumb_fpl_25 = work[69];
+    let thumb_fpl_26 = work[70];
+    let thumb_fpl_18 = work[71];
+    let thumb_epl_23 = work[72];
+    let thumb_epl_24 = work[73];
+    let thumb_epl_16 = work[74];
+    let ball_ry_9 = work[75];
+    let cos_ball_rx = work[76];
+    let ball_tz_1 = work[77];
+    let sin_ball_rx = work[78];
+    let ball_ty_1 = work[79];
+    let ball_rz_5 = work[80];
+    let ball_ry_4 = work[81];
+    let ball_ry_1 = work[82];
+    let ball_ry_10 = work[83];
+    let ball_tx_1 = work[84];
+    let ball_rz_6 = work[85];
+    let sin_ball_ry = work[86];
+    let ball_ry_11 = work[87];
+    let ball_rz_7 = work[88];
+    let ball_ry_3 = work[89];
+    let ball_ry_6 = work[90];
+    let ball_rz_2 = work[91];
+    let ball_ry_8 = work[92];
+    let ball_rx_1 = work[93];
+    let ball_ry_7 = work[94];
+    let ball_rz_1 = work[95];
+    let ball_rz_3 = work[96];
     let thumb_cmc_28 = mul_add(
         thumb_ab_7,
         index_fdp_25 * thumb_ab_66,
         thumb_ab_12 * (index_fdp_25 * thumb_ab_67),
     );
     let thumb_cmc_29 = index_ab_37
-        * neg_mul_add(0.046200000000000005, thumb_ab_33, thumb_cmc_22);
+        * neg_mul_add(L::splat(0.046200000000000005), thumb_ab_33, thumb_cmc_22);
     let thumb_cmc_30 = mul_sub(thumb_cmc_15, thumb_ab_69, thumb_cmc_23);
     let thumb_cmc_31 = mul_sub(index_fdp_25, thumb_cmc_30, thumb_cmc_29 + thumb_cmc_28);
     let thumb_cmc_32 = neg_mul_add(
         thumb_mcp_7,
         thumb_ab_36,
-        0.046200000000000005 * thumb_mcp_6,
+        L::splat(0.046200000000000005) * thumb_mcp_6,
     );
     let thumb_cmc_33 = neg_mul_add(
         thumb_epl_20,
         thumb_epl_31,
-        mul_add(thumb_fpl_22, thumb_fpl_33, neg_mul_add(0.5, thumb_cmc_32, thumb_cmc_31)),
+        mul_add(
+            thumb_fpl_22,
+            thumb_fpl_32,
+            neg_mul_add(L::splat(0.5), thumb_cmc_32, thumb_cmc_31),
+        ),
     );
     matrix[460] = neg_mul_add(
         thumb_adp_18,
@@ -6666,7 +7361,7 @@ fn evaluate_with_matrix_part_2(
         neg_mul_add(
             thumb_apb_18,
             thumb_apb_27,
-            neg_mul_add(thumb_epb_13, thumb_epb_20, thumb_cmc_33),
+            neg_mul_add(thumb_epb_13, thumb_epb_19, thumb_cmc_33),
         ),
     );
     let thumb_cmc_34 = mul_add(
@@ -6686,14 +7381,18 @@ fn evaluate_with_matrix_part_2(
         thumb_epl_32,
         neg_mul_add(
             thumb_fpl_22,
-            thumb_fpl_34,
-            neg_mul_add(0.5, thumb_cmc_38, thumb_cmc_37),
+            thumb_fpl_33,
+            neg_mul_add(L::splat(0.5), thumb_cmc_38, thumb_cmc_37),
         ),
     );
     let thumb_mcp_11 = mul_add(
         thumb_epl_13,
         thumb_epl_31,
-        mul_add(thumb_fpl_15, thumb_fpl_33, mul_add(0.5, thumb_ab_68, thumb_ab_70)),
+        mul_add(
+            thumb_fpl_15,
+            thumb_fpl_32,
+            mul_add(L::splat(0.5), thumb_ab_68, thumb_ab_70),
+        ),
     );
     matrix[484] = mul_add(
         thumb_adp_13,
@@ -6701,13 +7400,17 @@ fn evaluate_with_matrix_part_2(
         mul_add(
             thumb_apb_13,
             thumb_apb_27,
-            neg_mul_add(thumb_epb_10, thumb_epb_20, thumb_mcp_11),
+            neg_mul_add(thumb_epb_10, thumb_epb_19, thumb_mcp_11),
         ),
     );
     let thumb_mcp_12 = neg_mul_add(
         thumb_epl_20,
         thumb_epl_31,
-        mul_add(thumb_fpl_22, thumb_fpl_33, mul_add(0.5, thumb_cmc_32, thumb_cmc_31)),
+        mul_add(
+            thumb_fpl_22,
+            thumb_fpl_32,
+            mul_add(L::splat(0.5), thumb_cmc_32, thumb_cmc_31),
+        ),
     );
     matrix[485] = neg_mul_add(
         thumb_adp_18,
@@ -6715,30 +7418,35 @@ fn evaluate_with_matrix_part_2(
         neg_mul_add(
             thumb_apb_18,
             thumb_apb_27,
-            neg_mul_add(thumb_epb_13, thumb_epb_20, thumb_mcp_12),
+            neg_mul_add(thumb_epb_13, thumb_epb_19, thumb_mcp_12),
         ),
     );
     let thumb_mcp_13 = mul_sub(
-        0.0007851390259858244,
+        L::splat(0.0007851390259858244),
         thumb_ab_12,
         mul_add(thumb_ab_7, thumb_ab_36, thumb_ab_12 * thumb_ab_33),
     );
     let thumb_mcp_14 = mul_add(
         thumb_mcp_7,
-        index_fdp_25 * mul_add(0.0007851390259858244, v_thumb_cmc, thumb_mcp_2),
+        index_fdp_25
+            * mul_add(L::splat(0.0007851390259858244), v_thumb_cmc, thumb_mcp_2),
         thumb_mcp_5 * (index_fdp_25 * thumb_mcp_13),
     );
     let thumb_mcp_15 = thumb_mcp_14 - thumb_cmc_28
-        - mul_add(0.046200000000000005, index_ab_37 * thumb_ab_69, thumb_cmc_29);
-    let thumb_fpl_37 = mul_add(
+        - mul_add(
+            L::splat(0.046200000000000005),
+            index_ab_37 * thumb_ab_69,
+            thumb_cmc_29,
+        );
+    let thumb_fpl_36 = mul_add(
         thumb_fpl_24,
-        thumb_fpl_33,
+        thumb_fpl_32,
         thumb_fpl_23 * neg_mul_add(thumb_fpl_24, thumb_fpl_24, thumb_fpl_16)
             * thumb_fpl_29,
     );
     let thumb_epl_35 = thumb_epl_21
         * neg_mul_add(thumb_epl_22, thumb_epl_22, thumb_epl_14);
-    let thumb_mcp_16 = mul_add(index_fdp_25, thumb_cmc_30, thumb_mcp_15) - thumb_fpl_37
+    let thumb_mcp_16 = mul_add(index_fdp_25, thumb_cmc_30, thumb_mcp_15) - thumb_fpl_36
         - mul_add(thumb_epl_22, thumb_epl_31, thumb_epl_35 * thumb_epl_27);
     let thumb_apb_30 = mul_add(
         thumb_apb_20,
@@ -6747,7 +7455,7 @@ fn evaluate_with_matrix_part_2(
             * thumb_apb_23,
     );
     let thumb_mcp_17 = thumb_mcp_16
-        - mul_add(thumb_epl_22, thumb_epb_20, thumb_epl_35 * thumb_epb_16)
+        - mul_add(thumb_epl_35, thumb_epb_16, thumb_epl_22 * thumb_epb_19)
         - thumb_apb_30;
     let thumb_adp_30 = mul_add(
         thumb_adp_20,
@@ -6755,44 +7463,61 @@ fn evaluate_with_matrix_part_2(
         thumb_adp_19 * neg_mul_add(thumb_adp_20, thumb_adp_20, thumb_adp_14)
             * thumb_adp_23,
     );
-    matrix[486] = thumb_mcp_17 - thumb_adp_30 - value_0;
+    matrix[486] = thumb_mcp_17 - thumb_adp_30 - c_4;
     let thumb_mcp_18 = mul_sub(
-        0.006074175147936257,
+        L::splat(0.006074175147936257),
         thumb_ip_2,
         mul_add(thumb_ab_7, thumb_ab_23, thumb_ab_12 * thumb_ab_4),
     );
     let thumb_mcp_19 = index_fdp_25 * thumb_mcp_18;
     let thumb_mcp_20 = index_fdp_25
-        * mul_add(0.006074175147936257, thumb_ip_3, thumb_mcp_1);
+        * mul_add(L::splat(0.006074175147936257), thumb_ip_3, thumb_mcp_1);
     let thumb_mcp_21 = index_ab_37 * thumb_ab_75;
     let thumb_mcp_22 = mul_add(thumb_mcp_7, thumb_mcp_20, thumb_mcp_5 * thumb_mcp_19)
-        - thumb_cmc_34 - mul_add(0.046200000000000005, thumb_mcp_21, thumb_cmc_35);
+        - thumb_cmc_34
+        - mul_add(L::splat(0.046200000000000005), thumb_mcp_21, thumb_cmc_35);
     let thumb_mcp_23 = thumb_cmc_36 + thumb_mcp_22;
-    let thumb_mcp_24 = mul_add(0.006074175147936257, thumb_ip_4, thumb_ip_1);
+    let thumb_mcp_24 = mul_add(L::splat(0.006074175147936257), thumb_ip_4, thumb_ip_1);
     let thumb_mcp_25 = neg_mul_add(
         thumb_mcp_7,
         thumb_ab_76,
-        neg_mul_add(0.046200000000000005, thumb_mcp_24, thumb_cmc_38),
+        neg_mul_add(L::splat(0.046200000000000005), thumb_mcp_24, thumb_cmc_38),
     );
     matrix[487] = neg_mul_add(
         thumb_epl_22,
         thumb_epl_32,
-        mul_add(thumb_fpl_24, thumb_fpl_34, neg_mul_add(0.5, thumb_mcp_25, thumb_mcp_23)),
+        mul_add(
+            thumb_fpl_24,
+            thumb_fpl_33,
+            neg_mul_add(L::splat(0.5), thumb_mcp_25, thumb_mcp_23),
+        ),
     );
     matrix[510] = mul_add(
         thumb_epl_13,
         thumb_epl_32,
-        neg_mul_add(thumb_fpl_15, thumb_fpl_34, mul_sub(0.5, thumb_ab_74, thumb_ab_77)),
+        neg_mul_add(
+            thumb_fpl_15,
+            thumb_fpl_33,
+            mul_sub(L::splat(0.5), thumb_ab_74, thumb_ab_77),
+        ),
     );
     matrix[511] = neg_mul_add(
         thumb_epl_20,
         thumb_epl_32,
-        neg_mul_add(thumb_fpl_22, thumb_fpl_34, mul_add(0.5, thumb_cmc_38, thumb_cmc_37)),
+        neg_mul_add(
+            thumb_fpl_22,
+            thumb_fpl_33,
+            mul_add(L::splat(0.5), thumb_cmc_38, thumb_cmc_37),
+        ),
     );
     matrix[512] = neg_mul_add(
         thumb_epl_22,
         thumb_epl_32,
-        mul_add(thumb_fpl_24, thumb_fpl_34, mul_add(0.5, thumb_mcp_25, thumb_mcp_23)),
+        mul_add(
+            thumb_fpl_24,
+            thumb_fpl_33,
+            mul_add(L::splat(0.5), thumb_mcp_25, thumb_mcp_23),
+        ),
     );
     let thumb_ip_8 = mul_add(
         thumb_ip_4,
@@ -6801,79 +7526,77 @@ fn evaluate_with_matrix_part_2(
     );
     let thumb_ip_9 = thumb_cmc_35
         + mul_add(thumb_ab_8, index_ab_37 * thumb_ab_76, thumb_ab_2 * thumb_mcp_21);
-    let thumb_fpl_38 = mul_add(
-        thumb_fpl_26,
-        thumb_fpl_34,
-        thumb_fpl_25 * neg_mul_add(thumb_fpl_26, thumb_fpl_26, thumb_fpl_18)
-            * thumb_fpl_29,
+    let thumb_fpl_37 = mul_add(
+        thumb_fpl_25 * neg_mul_add(thumb_fpl_26, thumb_fpl_26, thumb_fpl_18),
+        thumb_fpl_29,
+        thumb_fpl_26 * thumb_fpl_33,
     );
     let thumb_epl_36 = mul_add(
-        thumb_epl_24,
-        thumb_epl_32,
-        thumb_epl_23 * neg_mul_add(thumb_epl_24, thumb_epl_24, thumb_epl_16)
-            * thumb_epl_27,
+        thumb_epl_23 * neg_mul_add(thumb_epl_24, thumb_epl_24, thumb_epl_16),
+        thumb_epl_27,
+        thumb_epl_24 * thumb_epl_32,
     );
     let thumb_ip_10 = thumb_cmc_36 + (thumb_ip_8 - thumb_cmc_34 - thumb_ip_9)
-        - thumb_fpl_38 - thumb_epl_36;
-    matrix[513] = thumb_ip_10 - value_0;
-    let ball_tx_2 = 0.1 * index_ab_37;
+        - thumb_fpl_37 - thumb_epl_36;
+    matrix[513] = thumb_ip_10 - c_4;
+    let ball_tx_2 = L::splat(0.1) * index_ab_37;
     matrix[540] = -ball_tx_2;
     let ball_tx_3 = mul_add(
-        0.1,
+        L::splat(0.1),
         ball_ry_9,
         mul_sub(cos_ball_rx, ball_tz_1, sin_ball_rx * ball_ty_1),
     );
-    let ball_tx_4 = 0.5 * ball_tx_3;
+    let ball_tx_4 = L::splat(0.5) * ball_tx_3;
     matrix[544] = -ball_tx_4;
     let ball_tx_5 = mul_sub(
-        0.1,
+        L::splat(0.1),
         ball_rz_5,
         mul_add(ball_ry_4, ball_tz_1, ball_ry_1 * ball_ty_1),
     );
-    let ball_tx_6 = 0.5 * ball_tx_5;
+    let ball_tx_6 = L::splat(0.5) * ball_tx_5;
     matrix[545] = -ball_tx_6;
     matrix[567] = -ball_tx_2;
-    let ball_ty_2 = neg_mul_add(0.1, ball_ry_10, sin_ball_rx * ball_tx_1);
-    let ball_ty_3 = 0.5 * ball_ty_2;
+    let ball_ty_2 = neg_mul_add(L::splat(0.1), ball_ry_10, sin_ball_rx * ball_tx_1);
+    let ball_ty_3 = L::splat(0.5) * ball_ty_2;
     matrix[570] = -ball_ty_3;
     let ball_ty_4 = mul_add(
-        0.1,
+        L::splat(0.1),
         ball_rz_6,
         mul_sub(ball_ry_1, ball_tx_1, sin_ball_ry * ball_tz_1),
     );
-    let ball_ty_5 = 0.5 * ball_ty_4;
+    let ball_ty_5 = L::splat(0.5) * ball_ty_4;
     matrix[571] = -ball_ty_5;
     matrix[594] = -ball_tx_2;
-    let ball_tz_2 = mul_sub(0.1, ball_ry_11, cos_ball_rx * ball_tx_1);
-    let ball_tz_3 = 0.5 * ball_tz_2;
+    let ball_tz_2 = mul_sub(L::splat(0.1), ball_ry_11, cos_ball_rx * ball_tx_1);
+    let ball_tz_3 = L::splat(0.5) * ball_tz_2;
     matrix[596] = -ball_tz_3;
     let ball_tz_4 = neg_mul_add(
-        0.1,
+        L::splat(0.1),
         ball_rz_7,
         mul_add(sin_ball_ry, ball_ty_1, ball_ry_4 * ball_tx_1),
     );
-    let ball_tz_5 = 0.5 * ball_tz_4;
+    let ball_tz_5 = L::splat(0.5) * ball_tz_4;
     matrix[597] = -ball_tz_5;
-    matrix[621] = -4.900000000000001e-5 * index_ab_37;
+    matrix[621] = L::splat(-4.900000000000001e-5) * index_ab_37;
     let ball_rx_2 = index_fdp_25 * ball_tz_2;
     let ball_rx_3 = index_fdp_25 * ball_ty_2;
     let ball_rx_4 = mul_sub(v_ball_tz, ball_rx_3, v_ball_ty * ball_rx_2);
     let ball_rx_5 = mul_sub(cos_ball_rx, ball_ry_3, sin_ball_rx * ball_ry_6);
-    matrix[622] = neg_mul_add(0.5, ball_rx_5, ball_rx_4);
+    matrix[622] = neg_mul_add(L::splat(0.5), ball_rx_5, ball_rx_4);
     let ball_rx_6 = index_fdp_25 * ball_tz_4;
     let ball_rx_7 = index_fdp_25 * ball_ty_4;
-    let ball_rx_8 = index_ab_37 * (4.900000000000001e-5 * sin_ball_ry);
+    let ball_rx_8 = index_ab_37 * (L::splat(4.900000000000001e-5) * sin_ball_ry);
     let ball_rx_9 = mul_sub(v_ball_tz, ball_rx_7, v_ball_ty * ball_rx_6) - ball_rx_8;
     let ball_rx_10 = mul_sub(
-        4.900000000000001e-5,
+        L::splat(4.900000000000001e-5),
         ball_rz_2,
         mul_add(ball_ry_4, ball_ry_3, ball_ry_1 * ball_ry_6),
     );
-    matrix[623] = neg_mul_add(0.5, ball_rx_10, ball_rx_9);
+    matrix[623] = neg_mul_add(L::splat(0.5), ball_rx_10, ball_rx_9);
     matrix[644] = ball_tx_4;
     matrix[645] = ball_ty_3;
     matrix[646] = ball_tz_3;
-    matrix[647] = mul_add(0.5, ball_rx_5, ball_rx_4);
+    matrix[647] = mul_add(L::splat(0.5), ball_rx_5, ball_rx_4);
     let ball_ry_13 = mul_add(
         ball_ry_11,
         ball_rx_2,
@@ -6881,17 +7604,25 @@ fn evaluate_with_matrix_part_2(
     );
     let ball_ry_14 = ball_ry_8
         * (index_fdp_25
-            * mul_sub(4.900000000000001e-5, ball_ry_8, cos_ball_rx * ball_rx_1));
+            * mul_sub(
+                L::splat(4.900000000000001e-5),
+                ball_ry_8,
+                cos_ball_rx * ball_rx_1,
+            ));
     let ball_ry_15 = neg_mul_add(
         ball_ry_7,
         index_fdp_25
-            * neg_mul_add(4.900000000000001e-5, ball_ry_7, sin_ball_rx * ball_rx_1),
+            * neg_mul_add(
+                L::splat(4.900000000000001e-5),
+                ball_ry_7,
+                sin_ball_rx * ball_rx_1,
+            ),
         ball_ry_14,
     );
     let ball_ry_16 = mul_add(
         cos_ball_rx,
-        index_ab_37 * (4.900000000000001e-5 * cos_ball_rx),
-        sin_ball_rx * (index_ab_37 * (4.900000000000001e-5 * sin_ball_rx)),
+        index_ab_37 * (L::splat(4.900000000000001e-5) * cos_ball_rx),
+        sin_ball_rx * (index_ab_37 * (L::splat(4.900000000000001e-5) * sin_ball_rx)),
     );
     matrix[648] = ball_ry_15 + ball_ry_13 - ball_ry_16;
     let ball_ry_17 = index_fdp_25 * ball_tx_5;
@@ -6901,31 +7632,31 @@ fn evaluate_with_matrix_part_2(
         mul_sub(ball_ry_9, ball_ry_17, ball_ry_10 * ball_rx_7),
     );
     let ball_ry_19 = mul_add(
-        4.900000000000001e-5,
+        L::splat(4.900000000000001e-5),
         ball_rz_1,
         mul_sub(ball_ry_1, ball_rx_1, sin_ball_ry * ball_ry_3),
     );
     let ball_ry_20 = index_fdp_25 * ball_ry_19;
     let ball_ry_21 = neg_mul_add(
-        4.900000000000001e-5,
+        L::splat(4.900000000000001e-5),
         ball_rz_3,
         mul_add(sin_ball_ry, ball_ry_6, ball_ry_4 * ball_rx_1),
     );
     let ball_ry_22 = index_fdp_25 * ball_ry_21;
-    let ball_ry_23 = 4.900000000000001e-5 * ball_ry_1;
+    let ball_ry_23 = L::splat(4.900000000000001e-5) * ball_ry_1;
     let ball_ry_24 = index_ab_37 * ball_ry_23;
-    let ball_ry_25 = 4.900000000000001e-5 * ball_ry_4;
+    let ball_ry_25 = L::splat(4.900000000000001e-5) * ball_ry_4;
     let ball_ry_26 = index_ab_37 * ball_ry_25;
     let ball_ry_27 = mul_sub(cos_ball_rx, ball_ry_26, sin_ball_rx * ball_ry_24)
         + (neg_mul_add(ball_ry_7, ball_ry_20, ball_ry_8 * ball_ry_22) + ball_ry_18);
     let ball_ry_28 = mul_add(cos_ball_rx, ball_ry_19, sin_ball_rx * ball_ry_21)
         - mul_add(ball_ry_7, ball_ry_25, ball_ry_8 * ball_ry_23);
-    matrix[649] = neg_mul_add(0.5, ball_ry_28, ball_ry_27);
+    matrix[649] = neg_mul_add(L::splat(0.5), ball_ry_28, ball_ry_27);
     matrix[670] = ball_tx_6;
     matrix[671] = ball_ty_5;
     matrix[672] = ball_tz_5;
-    matrix[673] = mul_add(0.5, ball_rx_10, ball_rx_9);
-    matrix[674] = mul_add(0.5, ball_ry_28, ball_ry_27);
+    matrix[673] = mul_add(L::splat(0.5), ball_rx_10, ball_rx_9);
+    matrix[674] = mul_add(L::splat(0.5), ball_ry_28, ball_ry_27);
     let ball_rz_9 = neg_mul_add(
         ball_rz_3,
         ball_ry_22,
@@ -6953,24 +7684,25 @@ fn evaluate_with_matrix_part_2(
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
 /// 475 operations: 75 sums, 115 products, 134 products with sum, 17 sines and cosines.
-pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let q_middle_mcp = q[coordinate::MIDDLE_MCP];
-    let q_middle_pip = q[coordinate::MIDDLE_PIP];
-    let q_middle_dip = q[coordinate::MIDDLE_DIP];
-    let q_ring_mcp = q[coordinate::RING_MCP];
-    let q_ring_pip = q[coordinate::RING_PIP];
-    let q_ring_dip = q[coordinate::RING_DIP];
-    let q_little_mcp = q[coordinate::LITTLE_MCP];
-    let q_little_pip = q[coordinate::LITTLE_PIP];
-    let q_little_dip = q[coordinate::LITTLE_DIP];
-    let q_thumb_cmc = q[coordinate::THUMB_CMC];
-    let q_thumb_mcp = q[coordinate::THUMB_MCP];
-    let q_thumb_ip = q[coordinate::THUMB_IP];
-    let q_ball_rx = q[coordinate::BALL_RX];
-    let q_ball_ry = q[coordinate::BALL_RY];
+#[inline(always)]
+pub fn mass_matrix<L: Lane>(q: &[L; 26], matrix: &mut [L; 676]) {
+    let q_index_mcp = q[1];
+    let q_index_pip = q[2];
+    let q_index_dip = q[3];
+    let q_middle_mcp = q[5];
+    let q_middle_pip = q[6];
+    let q_middle_dip = q[7];
+    let q_ring_mcp = q[9];
+    let q_ring_pip = q[10];
+    let q_ring_dip = q[11];
+    let q_little_mcp = q[13];
+    let q_little_pip = q[14];
+    let q_little_dip = q[15];
+    let q_thumb_cmc = q[17];
+    let q_thumb_mcp = q[18];
+    let q_thumb_ip = q[19];
+    let q_ball_rx = q[23];
+    let q_ball_ry = q[24];
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
     let index_ab_1 = mul_sub(
@@ -6978,9 +7710,13 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         cos_index_dip,
         sin_index_pip * sin_index_dip,
     );
-    let index_ab_2 = mul_add(0.0224, cos_index_pip, 0.039799999999999995);
-    let index_ab_3 = mul_add(0.0079, index_ab_1, index_ab_2);
-    let index_ab_4 = 0.0026754431356501404 * index_ab_3;
+    let index_ab_2 = mul_add(
+        L::splat(0.0224),
+        cos_index_pip,
+        L::splat(0.039799999999999995),
+    );
+    let index_ab_3 = mul_add(L::splat(0.0079), index_ab_1, index_ab_2);
+    let index_ab_4 = L::splat(0.0026754431356501404) * index_ab_3;
     let index_ab_5 = mul_add(
         sin_index_pip,
         cos_index_dip,
@@ -6988,71 +7724,84 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     );
     let index_ab_6 = neg_mul_add(
         index_ab_5,
-        2.2883956953594213e-8 * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, 8.843231377702265e-8),
+        L::splat(2.2883956953594213e-8) * index_ab_5,
+        mul_add(index_ab_3, index_ab_4, L::splat(8.843231377702265e-8)),
     );
-    let index_ab_7 = mul_add(0.0112, cos_index_pip, 0.039799999999999995);
-    let index_ab_8 = 0.0049541659510049605 * index_ab_7;
+    let index_ab_7 = mul_add(
+        L::splat(0.0112),
+        cos_index_pip,
+        L::splat(0.039799999999999995),
+    );
+    let index_ab_8 = L::splat(0.0049541659510049605) * index_ab_7;
     let index_ab_9 = neg_mul_add(
         sin_index_pip,
-        1.2788353708194133e-7 * sin_index_pip,
-        mul_add(index_ab_7, index_ab_8, 2.8641684751410007e-7),
+        L::splat(1.2788353708194133e-7) * sin_index_pip,
+        mul_add(index_ab_7, index_ab_8, L::splat(2.8641684751410007e-7)),
     );
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_10 = 0.0224 * sin_index_pip;
-    let index_ab_11 = mul_add(0.0079, index_ab_5, index_ab_10);
-    let index_ab_12 = 2.2883956953594213e-8 * index_ab_1;
-    let index_ab_13 = 0.0112 * sin_index_pip;
-    let index_ab_14 = 1.2788353708194133e-7 * cos_index_pip;
+    let index_ab_10 = L::splat(0.0224) * sin_index_pip;
+    let index_ab_11 = mul_add(L::splat(0.0079), index_ab_5, index_ab_10);
+    let index_ab_12 = L::splat(2.2883956953594213e-8) * index_ab_1;
+    let index_ab_13 = L::splat(0.0112) * sin_index_pip;
+    let index_ab_14 = L::splat(1.2788353708194133e-7) * cos_index_pip;
     let index_ab_15 = mul_add(index_ab_13, index_ab_8, sin_index_pip * index_ab_14)
         + mul_add(index_ab_11, index_ab_4, index_ab_5 * index_ab_12);
     let index_ab_16 = neg_mul_add(
         sin_index_mcp,
         index_ab_15,
-        cos_index_mcp * (6.108011569195822e-6 + (index_ab_9 + index_ab_6)),
+        cos_index_mcp * (L::splat(6.108011569195822e-6) + (index_ab_9 + index_ab_6)),
     );
-    let index_ab_17 = 0.0026754431356501404 * index_ab_11;
+    let index_ab_17 = L::splat(0.0026754431356501404) * index_ab_11;
     let index_ab_18 = index_ab_11 * index_ab_17;
-    let index_ab_19 = index_ab_13 * (5.5486658651255556e-5 * sin_index_pip);
+    let index_ab_19 = index_ab_13 * (L::splat(5.5486658651255556e-5) * sin_index_pip);
     let index_ab_20 = neg_mul_add(
         cos_index_pip,
         index_ab_14,
-        2.8641684751410007e-7 + index_ab_19,
-    ) + neg_mul_add(index_ab_1, index_ab_12, 8.843231377702265e-8 + index_ab_18);
+        L::splat(2.8641684751410007e-7) + index_ab_19,
+    )
+        + neg_mul_add(
+            index_ab_1,
+            index_ab_12,
+            L::splat(8.843231377702265e-8) + index_ab_18,
+        );
     matrix[0] = neg_mul_add(
         sin_index_mcp,
         neg_mul_add(
             sin_index_mcp,
-            4.511964479704354e-7 + index_ab_20,
+            L::splat(4.511964479704354e-7) + index_ab_20,
             cos_index_mcp * index_ab_15,
         ),
         cos_index_mcp * index_ab_16,
     );
-    let index_mcp_1 = 8.843231377702265e-8
+    let index_mcp_1 = L::splat(8.843231377702265e-8)
         + mul_add(index_ab_3, index_ab_4, index_ab_18);
-    let index_mcp_2 = 2.8641684751410007e-7
+    let index_mcp_2 = L::splat(2.8641684751410007e-7)
         + mul_add(index_ab_7, index_ab_8, index_ab_19) + index_mcp_1;
-    matrix[27] = 6.108011569195822e-6 + index_mcp_2;
+    matrix[27] = L::splat(6.108011569195822e-6) + index_mcp_2;
     let index_mcp_3 = index_ab_8 + index_ab_4;
-    let index_mcp_4 = neg_mul_add(0.039799999999999995, index_mcp_3, index_mcp_2);
+    let index_mcp_4 = neg_mul_add(
+        L::splat(0.039799999999999995),
+        index_mcp_3,
+        index_mcp_2,
+    );
     matrix[28] = index_mcp_4;
     let index_mcp_5 = index_mcp_1
         - mul_add(index_ab_10, index_ab_17, index_ab_2 * index_ab_4);
     matrix[29] = index_mcp_5;
     matrix[53] = index_mcp_4;
     matrix[54] = mul_add(
-        0.039799999999999995,
-        0.00030365844164887296 - index_mcp_3,
+        L::splat(0.039799999999999995),
+        L::splat(0.00030365844164887296) - index_mcp_3,
         index_mcp_4,
     );
-    let index_pip_1 = mul_sub(0.0026754431356501404, index_ab_2, index_ab_4);
-    let index_pip_2 = mul_add(0.039799999999999995, index_pip_1, index_mcp_5);
+    let index_pip_1 = mul_sub(L::splat(0.0026754431356501404), index_ab_2, index_ab_4);
+    let index_pip_2 = mul_add(L::splat(0.039799999999999995), index_pip_1, index_mcp_5);
     matrix[55] = index_pip_2;
     matrix[79] = index_mcp_5;
     matrix[80] = index_pip_2;
     let index_dip_1 = mul_add(
         index_ab_10,
-        mul_sub(5.9929926238563145e-5, sin_index_pip, index_ab_17),
+        mul_sub(L::splat(5.9929926238563145e-5), sin_index_pip, index_ab_17),
         index_ab_2 * index_pip_1,
     );
     matrix[81] = index_mcp_5 + index_dip_1;
@@ -7063,9 +7812,9 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         cos_middle_dip,
         sin_middle_pip * sin_middle_dip,
     );
-    let middle_ab_2 = mul_add(0.0263, cos_middle_pip, 0.0446);
-    let middle_ab_3 = mul_add(0.0087, middle_ab_1, middle_ab_2);
-    let middle_ab_4 = 0.0029463740860957233 * middle_ab_3;
+    let middle_ab_2 = mul_add(L::splat(0.0263), cos_middle_pip, L::splat(0.0446));
+    let middle_ab_3 = mul_add(L::splat(0.0087), middle_ab_1, middle_ab_2);
+    let middle_ab_4 = L::splat(0.0029463740860957233) * middle_ab_3;
     let middle_ab_5 = mul_add(
         sin_middle_pip,
         cos_middle_dip,
@@ -7073,138 +7822,156 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     );
     let middle_ab_6 = neg_mul_add(
         middle_ab_5,
-        3.8243935637522495e-8 * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, 1.1043010074686771e-7),
+        L::splat(3.8243935637522495e-8) * middle_ab_5,
+        mul_add(middle_ab_3, middle_ab_4, L::splat(1.1043010074686771e-7)),
     );
-    let middle_ab_7 = mul_add(0.01315, cos_middle_pip, 0.0446);
-    let middle_ab_8 = 0.005816721629974574 * middle_ab_7;
+    let middle_ab_7 = mul_add(L::splat(0.01315), cos_middle_pip, L::splat(0.0446));
+    let middle_ab_8 = L::splat(0.005816721629974574) * middle_ab_7;
     let middle_ab_9 = neg_mul_add(
         sin_middle_pip,
-        2.422131359401662e-7 * sin_middle_pip,
-        mul_add(middle_ab_7, middle_ab_8, 4.283482280993526e-7),
+        L::splat(2.422131359401662e-7) * sin_middle_pip,
+        mul_add(middle_ab_7, middle_ab_8, L::splat(4.283482280993526e-7)),
     );
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_ab_10 = 0.0263 * sin_middle_pip;
-    let middle_ab_11 = mul_add(0.0087, middle_ab_5, middle_ab_10);
-    let middle_ab_12 = 3.8243935637522495e-8 * middle_ab_1;
-    let middle_ab_13 = 0.01315 * sin_middle_pip;
-    let middle_ab_14 = 2.422131359401662e-7 * cos_middle_pip;
+    let middle_ab_10 = L::splat(0.0263) * sin_middle_pip;
+    let middle_ab_11 = mul_add(L::splat(0.0087), middle_ab_5, middle_ab_10);
+    let middle_ab_12 = L::splat(3.8243935637522495e-8) * middle_ab_1;
+    let middle_ab_13 = L::splat(0.01315) * sin_middle_pip;
+    let middle_ab_14 = L::splat(2.422131359401662e-7) * cos_middle_pip;
     let middle_ab_15 = mul_add(middle_ab_13, middle_ab_8, sin_middle_pip * middle_ab_14)
         + mul_add(middle_ab_11, middle_ab_4, middle_ab_5 * middle_ab_12);
     let middle_ab_16 = neg_mul_add(
         sin_middle_mcp,
         middle_ab_15,
-        cos_middle_mcp * (8.530529217154657e-6 + (middle_ab_9 + middle_ab_6)),
+        cos_middle_mcp * (L::splat(8.530529217154657e-6) + (middle_ab_9 + middle_ab_6)),
     );
-    let middle_ab_17 = 0.0029463740860957233 * middle_ab_11;
+    let middle_ab_17 = L::splat(0.0029463740860957233) * middle_ab_11;
     let middle_ab_18 = middle_ab_11 * middle_ab_17;
-    let middle_ab_19 = middle_ab_13 * (7.648988943416565e-5 * sin_middle_pip);
+    let middle_ab_19 = middle_ab_13 * (L::splat(7.648988943416565e-5) * sin_middle_pip);
     let middle_ab_20 = neg_mul_add(
         cos_middle_pip,
         middle_ab_14,
-        4.283482280993526e-7 + middle_ab_19,
-    ) + neg_mul_add(middle_ab_1, middle_ab_12, 1.1043010074686771e-7 + middle_ab_18);
+        L::splat(4.283482280993526e-7) + middle_ab_19,
+    )
+        + neg_mul_add(
+            middle_ab_1,
+            middle_ab_12,
+            L::splat(1.1043010074686771e-7) + middle_ab_18,
+        );
     matrix[108] = neg_mul_add(
         sin_middle_mcp,
         neg_mul_add(
             sin_middle_mcp,
-            5.056120999869704e-7 + middle_ab_20,
+            L::splat(5.056120999869704e-7) + middle_ab_20,
             cos_middle_mcp * middle_ab_15,
         ),
         cos_middle_mcp * middle_ab_16,
     );
-    let middle_mcp_1 = 1.1043010074686771e-7
+    let middle_mcp_1 = L::splat(1.1043010074686771e-7)
         + mul_add(middle_ab_3, middle_ab_4, middle_ab_18);
-    let middle_mcp_2 = 4.283482280993526e-7
+    let middle_mcp_2 = L::splat(4.283482280993526e-7)
         + mul_add(middle_ab_7, middle_ab_8, middle_ab_19) + middle_mcp_1;
-    matrix[135] = 8.530529217154657e-6 + middle_mcp_2;
+    matrix[135] = L::splat(8.530529217154657e-6) + middle_mcp_2;
     let middle_mcp_3 = middle_ab_8 + middle_ab_4;
-    let middle_mcp_4 = neg_mul_add(0.0446, middle_mcp_3, middle_mcp_2);
+    let middle_mcp_4 = neg_mul_add(L::splat(0.0446), middle_mcp_3, middle_mcp_2);
     matrix[136] = middle_mcp_4;
     let middle_mcp_5 = middle_mcp_1
         - mul_add(middle_ab_10, middle_ab_17, middle_ab_2 * middle_ab_4);
     matrix[137] = middle_mcp_5;
     matrix[161] = middle_mcp_4;
-    matrix[162] = mul_add(0.0446, 0.00039083406893673523 - middle_mcp_3, middle_mcp_4);
-    let middle_pip_1 = mul_sub(0.0029463740860957233, middle_ab_2, middle_ab_4);
-    let middle_pip_2 = mul_add(0.0446, middle_pip_1, middle_mcp_5);
+    matrix[162] = mul_add(
+        L::splat(0.0446),
+        L::splat(0.00039083406893673523) - middle_mcp_3,
+        middle_mcp_4,
+    );
+    let middle_pip_1 = mul_sub(
+        L::splat(0.0029463740860957233),
+        middle_ab_2,
+        middle_ab_4,
+    );
+    let middle_pip_2 = mul_add(L::splat(0.0446), middle_pip_1, middle_mcp_5);
     matrix[163] = middle_pip_2;
     matrix[187] = middle_mcp_5;
     matrix[188] = middle_pip_2;
     let middle_dip_1 = mul_add(
         middle_ab_10,
-        mul_sub(7.748963846431752e-5, sin_middle_pip, middle_ab_17),
+        mul_sub(L::splat(7.748963846431752e-5), sin_middle_pip, middle_ab_17),
         middle_ab_2 * middle_pip_1,
     );
     matrix[189] = middle_mcp_5 + middle_dip_1;
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
     let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(0.0257, cos_ring_pip, 0.0414);
-    let ring_ab_3 = mul_add(0.00865, ring_ab_1, ring_ab_2);
-    let ring_ab_4 = 0.0029294409016928746 * ring_ab_3;
+    let ring_ab_2 = mul_add(L::splat(0.0257), cos_ring_pip, L::splat(0.0414));
+    let ring_ab_3 = mul_add(L::splat(0.00865), ring_ab_1, ring_ab_2);
+    let ring_ab_4 = L::splat(0.0029294409016928746) * ring_ab_3;
     let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
     let ring_ab_6 = neg_mul_add(
         ring_ab_5,
-        3.717704624323398e-8 * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, 1.089483483347094e-7),
+        L::splat(3.717704624323398e-8) * ring_ab_5,
+        mul_add(ring_ab_3, ring_ab_4, L::splat(1.089483483347094e-7)),
     );
-    let ring_ab_7 = mul_add(0.01285, cos_ring_pip, 0.0414);
-    let ring_ab_8 = 0.005684020756286941 * ring_ab_7;
+    let ring_ab_7 = mul_add(L::splat(0.01285), cos_ring_pip, L::splat(0.0414));
+    let ring_ab_8 = L::splat(0.005684020756286941) * ring_ab_7;
     let ring_ab_9 = neg_mul_add(
         sin_ring_pip,
-        2.2190890700940578e-7 * sin_ring_pip,
-        mul_add(ring_ab_7, ring_ab_8, 4.037975712105879e-7),
+        L::splat(2.2190890700940578e-7) * sin_ring_pip,
+        mul_add(ring_ab_7, ring_ab_8, L::splat(4.037975712105879e-7)),
     );
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_ab_10 = 0.0257 * sin_ring_pip;
-    let ring_ab_11 = mul_add(0.00865, ring_ab_5, ring_ab_10);
-    let ring_ab_12 = 3.717704624323398e-8 * ring_ab_1;
-    let ring_ab_13 = 0.01285 * sin_ring_pip;
-    let ring_ab_14 = 2.2190890700940578e-7 * cos_ring_pip;
+    let ring_ab_10 = L::splat(0.0257) * sin_ring_pip;
+    let ring_ab_11 = mul_add(L::splat(0.00865), ring_ab_5, ring_ab_10);
+    let ring_ab_12 = L::splat(3.717704624323398e-8) * ring_ab_1;
+    let ring_ab_13 = L::splat(0.01285) * sin_ring_pip;
+    let ring_ab_14 = L::splat(2.2190890700940578e-7) * cos_ring_pip;
     let ring_ab_15 = mul_add(ring_ab_13, ring_ab_8, sin_ring_pip * ring_ab_14)
         + mul_add(ring_ab_11, ring_ab_4, ring_ab_5 * ring_ab_12);
     let ring_ab_16 = neg_mul_add(
         sin_ring_mcp,
         ring_ab_15,
-        cos_ring_mcp * (6.855419880173114e-6 + (ring_ab_9 + ring_ab_6)),
+        cos_ring_mcp * (L::splat(6.855419880173114e-6) + (ring_ab_9 + ring_ab_6)),
     );
-    let ring_ab_17 = 0.0029294409016928746 * ring_ab_11;
+    let ring_ab_17 = L::splat(0.0029294409016928746) * ring_ab_11;
     let ring_ab_18 = ring_ab_11 * ring_ab_17;
-    let ring_ab_19 = ring_ab_13 * (7.303966671828719e-5 * sin_ring_pip);
+    let ring_ab_19 = ring_ab_13 * (L::splat(7.303966671828719e-5) * sin_ring_pip);
     let ring_ab_20 = neg_mul_add(
         cos_ring_pip,
         ring_ab_14,
-        4.037975712105879e-7 + ring_ab_19,
-    ) + neg_mul_add(ring_ab_1, ring_ab_12, 1.089483483347094e-7 + ring_ab_18);
+        L::splat(4.037975712105879e-7) + ring_ab_19,
+    ) + neg_mul_add(ring_ab_1, ring_ab_12, L::splat(1.089483483347094e-7) + ring_ab_18);
     matrix[216] = neg_mul_add(
         sin_ring_mcp,
         neg_mul_add(
             sin_ring_mcp,
-            4.6933499864261383e-7 + ring_ab_20,
+            L::splat(4.6933499864261383e-7) + ring_ab_20,
             cos_ring_mcp * ring_ab_15,
         ),
         cos_ring_mcp * ring_ab_16,
     );
-    let ring_mcp_1 = 1.089483483347094e-7 + mul_add(ring_ab_3, ring_ab_4, ring_ab_18);
-    let ring_mcp_2 = 4.037975712105879e-7 + mul_add(ring_ab_7, ring_ab_8, ring_ab_19)
-        + ring_mcp_1;
-    matrix[243] = 6.855419880173114e-6 + ring_mcp_2;
+    let ring_mcp_1 = L::splat(1.089483483347094e-7)
+        + mul_add(ring_ab_3, ring_ab_4, ring_ab_18);
+    let ring_mcp_2 = L::splat(4.037975712105879e-7)
+        + mul_add(ring_ab_7, ring_ab_8, ring_ab_19) + ring_mcp_1;
+    matrix[243] = L::splat(6.855419880173114e-6) + ring_mcp_2;
     let ring_mcp_3 = ring_ab_8 + ring_ab_4;
-    let ring_mcp_4 = neg_mul_add(0.0414, ring_mcp_3, ring_mcp_2);
+    let ring_mcp_4 = neg_mul_add(L::splat(0.0414), ring_mcp_3, ring_mcp_2);
     matrix[244] = ring_mcp_4;
     let ring_mcp_5 = ring_mcp_1 - mul_add(ring_ab_10, ring_ab_17, ring_ab_2 * ring_ab_4);
     matrix[245] = ring_mcp_5;
     matrix[269] = ring_mcp_4;
-    matrix[270] = mul_add(0.0414, 0.0003565973126403644 - ring_mcp_3, ring_mcp_4);
-    let ring_pip_1 = mul_sub(0.0029294409016928746, ring_ab_2, ring_ab_4);
-    let ring_pip_2 = mul_add(0.0414, ring_pip_1, ring_mcp_5);
+    matrix[270] = mul_add(
+        L::splat(0.0414),
+        L::splat(0.0003565973126403644) - ring_mcp_3,
+        ring_mcp_4,
+    );
+    let ring_pip_1 = mul_sub(L::splat(0.0029294409016928746), ring_ab_2, ring_ab_4);
+    let ring_pip_2 = mul_add(L::splat(0.0414), ring_pip_1, ring_mcp_5);
     matrix[271] = ring_pip_2;
     matrix[295] = ring_mcp_5;
     matrix[296] = ring_pip_2;
     let ring_dip_1 = mul_add(
         ring_ab_10,
-        mul_sub(7.528663117350688e-5, sin_ring_pip, ring_ab_17),
+        mul_sub(L::splat(7.528663117350688e-5), sin_ring_pip, ring_ab_17),
         ring_ab_2 * ring_pip_1,
     );
     matrix[297] = ring_mcp_5 + ring_dip_1;
@@ -7215,9 +7982,9 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         cos_little_dip,
         sin_little_pip * sin_little_dip,
     );
-    let little_ab_2 = mul_add(0.0181, cos_little_pip, 0.0327);
-    let little_ab_3 = mul_add(0.008, little_ab_1, little_ab_2);
-    let little_ab_4 = 0.002709309504455838 * little_ab_3;
+    let little_ab_2 = mul_add(L::splat(0.0181), cos_little_pip, L::splat(0.0327));
+    let little_ab_3 = mul_add(L::splat(0.008), little_ab_1, little_ab_2);
+    let little_ab_4 = L::splat(0.002709309504455838) * little_ab_3;
     let little_ab_5 = mul_add(
         sin_little_pip,
         cos_little_dip,
@@ -7225,164 +7992,190 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     );
     let little_ab_6 = neg_mul_add(
         little_ab_5,
-        2.4609561332140534e-8 * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, 9.098764419130856e-8),
+        L::splat(2.4609561332140534e-8) * little_ab_5,
+        mul_add(little_ab_3, little_ab_4, L::splat(9.098764419130856e-8)),
     );
-    let little_ab_7 = mul_add(0.00905, cos_little_pip, 0.0327);
-    let little_ab_8 = 0.004003143022910258 * little_ab_7;
+    let little_ab_7 = mul_add(L::splat(0.00905), cos_little_pip, L::splat(0.0327));
+    let little_ab_8 = L::splat(0.004003143022910258) * little_ab_7;
     let little_ab_9 = neg_mul_add(
         sin_little_pip,
-        4.523885211140502e-8 * sin_little_pip,
-        mul_add(little_ab_7, little_ab_8, 1.7333942884453325e-7),
+        L::splat(4.523885211140502e-8) * sin_little_pip,
+        mul_add(little_ab_7, little_ab_8, L::splat(1.7333942884453325e-7)),
     );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_ab_10 = 0.0181 * sin_little_pip;
-    let little_ab_11 = mul_add(0.008, little_ab_5, little_ab_10);
-    let little_ab_12 = 2.4609561332140534e-8 * little_ab_1;
-    let little_ab_13 = 0.00905 * sin_little_pip;
-    let little_ab_14 = 4.523885211140502e-8 * cos_little_pip;
+    let little_ab_10 = L::splat(0.0181) * sin_little_pip;
+    let little_ab_11 = mul_add(L::splat(0.008), little_ab_5, little_ab_10);
+    let little_ab_12 = L::splat(2.4609561332140534e-8) * little_ab_1;
+    let little_ab_13 = L::splat(0.00905) * sin_little_pip;
+    let little_ab_14 = L::splat(4.523885211140502e-8) * cos_little_pip;
     let little_ab_15 = mul_add(little_ab_13, little_ab_8, sin_little_pip * little_ab_14)
         + mul_add(little_ab_11, little_ab_4, little_ab_5 * little_ab_12);
     let little_ab_16 = neg_mul_add(
         sin_little_mcp,
         little_ab_15,
-        cos_little_mcp * (3.4478462505758233e-6 + (little_ab_9 + little_ab_6)),
+        cos_little_mcp * (L::splat(3.4478462505758233e-6) + (little_ab_9 + little_ab_6)),
     );
-    let little_ab_17 = 0.002709309504455838 * little_ab_11;
+    let little_ab_17 = L::splat(0.002709309504455838) * little_ab_11;
     let little_ab_18 = little_ab_11 * little_ab_17;
-    let little_ab_19 = little_ab_13 * (3.622844435733784e-5 * sin_little_pip);
+    let little_ab_19 = little_ab_13 * (L::splat(3.622844435733784e-5) * sin_little_pip);
     let little_ab_20 = neg_mul_add(
         cos_little_pip,
         little_ab_14,
-        1.7333942884453325e-7 + little_ab_19,
-    ) + neg_mul_add(little_ab_1, little_ab_12, 9.098764419130856e-8 + little_ab_18);
+        L::splat(1.7333942884453325e-7) + little_ab_19,
+    )
+        + neg_mul_add(
+            little_ab_1,
+            little_ab_12,
+            L::splat(9.098764419130856e-8) + little_ab_18,
+        );
     matrix[324] = neg_mul_add(
         sin_little_mcp,
         neg_mul_add(
             sin_little_mcp,
-            3.7070662936264426e-7 + little_ab_20,
+            L::splat(3.7070662936264426e-7) + little_ab_20,
             cos_little_mcp * little_ab_15,
         ),
         cos_little_mcp * little_ab_16,
     );
-    let little_mcp_1 = 9.098764419130856e-8
+    let little_mcp_1 = L::splat(9.098764419130856e-8)
         + mul_add(little_ab_3, little_ab_4, little_ab_18);
-    let little_mcp_2 = 1.7333942884453325e-7
+    let little_mcp_2 = L::splat(1.7333942884453325e-7)
         + mul_add(little_ab_7, little_ab_8, little_ab_19) + little_mcp_1;
-    matrix[351] = 3.4478462505758233e-6 + little_mcp_2;
+    matrix[351] = L::splat(3.4478462505758233e-6) + little_mcp_2;
     let little_mcp_3 = little_ab_8 + little_ab_4;
-    let little_mcp_4 = neg_mul_add(0.0327, little_mcp_3, little_mcp_2);
+    let little_mcp_4 = neg_mul_add(L::splat(0.0327), little_mcp_3, little_mcp_2);
     matrix[352] = little_mcp_4;
     let little_mcp_5 = little_mcp_1
         - mul_add(little_ab_10, little_ab_17, little_ab_2 * little_ab_4);
     matrix[353] = little_mcp_5;
     matrix[377] = little_mcp_4;
-    matrix[378] = mul_add(0.0327, 0.00021949719764487134 - little_mcp_3, little_mcp_4);
-    let little_pip_1 = mul_sub(0.002709309504455838, little_ab_2, little_ab_4);
-    let little_pip_2 = mul_add(0.0327, little_pip_1, little_mcp_5);
+    matrix[378] = mul_add(
+        L::splat(0.0327),
+        L::splat(0.00021949719764487134) - little_mcp_3,
+        little_mcp_4,
+    );
+    let little_pip_1 = mul_sub(L::splat(0.002709309504455838), little_ab_2, little_ab_4);
+    let little_pip_2 = mul_add(L::splat(0.0327), little_pip_1, little_mcp_5);
     matrix[379] = little_pip_2;
     matrix[403] = little_mcp_5;
     matrix[404] = little_pip_2;
     let little_dip_1 = mul_add(
         little_ab_10,
-        mul_sub(4.903850203065067e-5, sin_little_pip, little_ab_17),
+        mul_sub(L::splat(4.903850203065067e-5), sin_little_pip, little_ab_17),
         little_ab_2 * little_pip_1,
     );
     matrix[405] = little_mcp_5 + little_dip_1;
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let thumb_ab_1 = mul_sub(cos_thumb_mcp, cos_thumb_ip, sin_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_2 = mul_add(0.0316, cos_thumb_mcp, 0.046200000000000005);
-    let thumb_ab_3 = mul_add(0.01085, thumb_ab_1, thumb_ab_2);
-    let thumb_ab_4 = 0.006074175147936257 * thumb_ab_3;
+    let thumb_ab_2 = mul_add(
+        L::splat(0.0316),
+        cos_thumb_mcp,
+        L::splat(0.046200000000000005),
+    );
+    let thumb_ab_3 = mul_add(L::splat(0.01085), thumb_ab_1, thumb_ab_2);
+    let thumb_ab_4 = L::splat(0.006074175147936257) * thumb_ab_3;
     let thumb_ab_5 = mul_add(sin_thumb_mcp, cos_thumb_ip, cos_thumb_mcp * sin_thumb_ip);
     let thumb_ab_6 = neg_mul_add(
         thumb_ab_5,
-        1.1535364787193289e-7 * thumb_ab_5,
-        mul_add(thumb_ab_3, thumb_ab_4, 3.6135774136335126e-7),
+        L::splat(1.1535364787193289e-7) * thumb_ab_5,
+        mul_add(thumb_ab_3, thumb_ab_4, L::splat(3.6135774136335126e-7)),
     );
-    let thumb_ab_7 = mul_add(0.0158, cos_thumb_mcp, 0.046200000000000005);
-    let thumb_ab_8 = 0.010920176063878123 * thumb_ab_7;
+    let thumb_ab_7 = mul_add(
+        L::splat(0.0158),
+        cos_thumb_mcp,
+        L::splat(0.046200000000000005),
+    );
+    let thumb_ab_8 = L::splat(0.010920176063878123) * thumb_ab_7;
     let thumb_ab_9 = neg_mul_add(
         sin_thumb_mcp,
-        6.356998492652254e-7 * sin_thumb_mcp,
-        mul_add(thumb_ab_7, thumb_ab_8, 1.1817086524591316e-6),
+        L::splat(6.356998492652254e-7) * sin_thumb_mcp,
+        mul_add(thumb_ab_7, thumb_ab_8, L::splat(1.1817086524591316e-6)),
     );
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_ab_10 = 0.0316 * sin_thumb_mcp;
-    let thumb_ab_11 = mul_add(0.01085, thumb_ab_5, thumb_ab_10);
-    let thumb_ab_12 = 1.1535364787193289e-7 * thumb_ab_1;
-    let thumb_ab_13 = 0.0158 * sin_thumb_mcp;
-    let thumb_ab_14 = 6.356998492652254e-7 * cos_thumb_mcp;
+    let thumb_ab_10 = L::splat(0.0316) * sin_thumb_mcp;
+    let thumb_ab_11 = mul_add(L::splat(0.01085), thumb_ab_5, thumb_ab_10);
+    let thumb_ab_12 = L::splat(1.1535364787193289e-7) * thumb_ab_1;
+    let thumb_ab_13 = L::splat(0.0158) * sin_thumb_mcp;
+    let thumb_ab_14 = L::splat(6.356998492652254e-7) * cos_thumb_mcp;
     let thumb_ab_15 = mul_add(thumb_ab_13, thumb_ab_8, sin_thumb_mcp * thumb_ab_14)
         + mul_add(thumb_ab_11, thumb_ab_4, thumb_ab_5 * thumb_ab_12);
     let thumb_ab_16 = neg_mul_add(
         sin_thumb_cmc,
         thumb_ab_15,
-        cos_thumb_cmc * (1.4328995574980243e-5 + (thumb_ab_9 + thumb_ab_6)),
+        cos_thumb_cmc * (L::splat(1.4328995574980243e-5) + (thumb_ab_9 + thumb_ab_6)),
     );
-    let thumb_ab_17 = 0.006074175147936257 * thumb_ab_11;
+    let thumb_ab_17 = L::splat(0.006074175147936257) * thumb_ab_11;
     let thumb_ab_18 = thumb_ab_11 * thumb_ab_17;
-    let thumb_ab_19 = thumb_ab_13 * (0.00017253878180927438 * sin_thumb_mcp);
+    let thumb_ab_19 = thumb_ab_13 * (L::splat(0.00017253878180927438) * sin_thumb_mcp);
     let thumb_ab_20 = neg_mul_add(
         cos_thumb_mcp,
         thumb_ab_14,
-        1.1817086524591316e-6 + thumb_ab_19,
-    ) + neg_mul_add(thumb_ab_1, thumb_ab_12, 3.6135774136335126e-7 + thumb_ab_18);
+        L::splat(1.1817086524591316e-6) + thumb_ab_19,
+    )
+        + neg_mul_add(
+            thumb_ab_1,
+            thumb_ab_12,
+            L::splat(3.6135774136335126e-7) + thumb_ab_18,
+        );
     matrix[432] = neg_mul_add(
         sin_thumb_cmc,
         neg_mul_add(
             sin_thumb_cmc,
-            1.1687598348270992e-6 + thumb_ab_20,
+            L::splat(1.1687598348270992e-6) + thumb_ab_20,
             cos_thumb_cmc * thumb_ab_15,
         ),
         cos_thumb_cmc * thumb_ab_16,
     );
-    let thumb_cmc_1 = 3.6135774136335126e-7
+    let thumb_cmc_1 = L::splat(3.6135774136335126e-7)
         + mul_add(thumb_ab_3, thumb_ab_4, thumb_ab_18);
-    let thumb_cmc_2 = 1.1817086524591316e-6
+    let thumb_cmc_2 = L::splat(1.1817086524591316e-6)
         + mul_add(thumb_ab_7, thumb_ab_8, thumb_ab_19) + thumb_cmc_1;
-    matrix[459] = 1.4328995574980243e-5 + thumb_cmc_2;
+    matrix[459] = L::splat(1.4328995574980243e-5) + thumb_cmc_2;
     let thumb_cmc_3 = thumb_ab_8 + thumb_ab_4;
-    let thumb_cmc_4 = neg_mul_add(0.046200000000000005, thumb_cmc_3, thumb_cmc_2);
+    let thumb_cmc_4 = neg_mul_add(
+        L::splat(0.046200000000000005),
+        thumb_cmc_3,
+        thumb_cmc_2,
+    );
     matrix[460] = thumb_cmc_4;
     let thumb_cmc_5 = thumb_cmc_1
         - mul_add(thumb_ab_10, thumb_ab_17, thumb_ab_2 * thumb_ab_4);
     matrix[461] = thumb_cmc_5;
     matrix[485] = thumb_cmc_4;
     matrix[486] = mul_add(
-        0.046200000000000005,
-        0.0007851390259858244 - thumb_cmc_3,
+        L::splat(0.046200000000000005),
+        L::splat(0.0007851390259858244) - thumb_cmc_3,
         thumb_cmc_4,
     );
-    let thumb_mcp_1 = mul_sub(0.006074175147936257, thumb_ab_2, thumb_ab_4);
-    let thumb_mcp_2 = mul_add(0.046200000000000005, thumb_mcp_1, thumb_cmc_5);
+    let thumb_mcp_1 = mul_sub(L::splat(0.006074175147936257), thumb_ab_2, thumb_ab_4);
+    let thumb_mcp_2 = mul_add(L::splat(0.046200000000000005), thumb_mcp_1, thumb_cmc_5);
     matrix[487] = thumb_mcp_2;
     matrix[511] = thumb_cmc_5;
     matrix[512] = thumb_mcp_2;
     let thumb_ip_1 = mul_add(
         thumb_ab_10,
-        mul_sub(0.00019194393467478576, sin_thumb_mcp, thumb_ab_17),
+        mul_sub(L::splat(0.00019194393467478576), sin_thumb_mcp, thumb_ab_17),
         thumb_ab_2 * thumb_mcp_1,
     );
     matrix[513] = thumb_cmc_5 + thumb_ip_1;
-    matrix[540] = 0.1;
-    matrix[567] = 0.1;
-    matrix[594] = 0.1;
-    matrix[621] = 4.900000000000001e-5;
+    matrix[540] = L::splat(0.1);
+    matrix[567] = L::splat(0.1);
+    matrix[594] = L::splat(0.1);
+    matrix[621] = L::splat(4.900000000000001e-5);
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    let ball_rx_1 = 4.900000000000001e-5 * sin_ball_ry;
+    let ball_rx_1 = L::splat(4.900000000000001e-5) * sin_ball_ry;
     matrix[623] = ball_rx_1;
     let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
     matrix[648] = mul_add(
         cos_ball_rx,
-        4.900000000000001e-5 * cos_ball_rx,
-        sin_ball_rx * (4.900000000000001e-5 * sin_ball_rx),
+        L::splat(4.900000000000001e-5) * cos_ball_rx,
+        sin_ball_rx * (L::splat(4.900000000000001e-5) * sin_ball_rx),
     );
     let ball_ry_1 = sin_ball_rx * cos_ball_ry;
-    let ball_ry_2 = 4.900000000000001e-5 * ball_ry_1;
+    let ball_ry_2 = L::splat(4.900000000000001e-5) * ball_ry_1;
     let ball_ry_3 = cos_ball_rx * cos_ball_ry;
-    let ball_ry_4 = 4.900000000000001e-5 * ball_ry_3;
+    let ball_ry_4 = L::splat(4.900000000000001e-5) * ball_ry_3;
     let ball_ry_5 = neg_mul_add(cos_ball_rx, ball_ry_2, sin_ball_rx * ball_ry_4);
     matrix[649] = ball_ry_5;
     matrix[673] = ball_rx_1;
@@ -7392,4 +8185,837 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         ball_ry_4,
         mul_add(sin_ball_ry, ball_rx_1, ball_ry_1 * ball_ry_2),
     );
+}
+
+/// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
+///
+/// Coordinates: `index.ab` (digit.hdl:36), `index.mcp` (digit.hdl:38), `index.pip` (digit.hdl:43), `index.dip` (digit.hdl:48), `middle.ab` (digit.hdl:36), `middle.mcp` (digit.hdl:38), `middle.pip` (digit.hdl:43), `middle.dip` (digit.hdl:48), `ring.ab` (digit.hdl:36), `ring.mcp` (digit.hdl:38), `ring.pip` (digit.hdl:43), `ring.dip` (digit.hdl:48), `little.ab` (digit.hdl:36), `little.mcp` (digit.hdl:38), `little.pip` (digit.hdl:43), `little.dip` (digit.hdl:48), `thumb.ab` (digit.hdl:109), `thumb.cmc` (digit.hdl:111), `thumb.mcp` (digit.hdl:116), `thumb.ip` (digit.hdl:121), `ball.tx` (grasp.hdl:61), `ball.ty` (grasp.hdl:61), `ball.tz` (grasp.hdl:61), `ball.rx` (grasp.hdl:61), `ball.ry` (grasp.hdl:61), `ball.rz` (grasp.hdl:61).
+///
+/// Bodies: `index.proximal` (digit.hdl:39), `index.middle` (digit.hdl:44), `index.distal` (digit.hdl:49), `middle.proximal` (digit.hdl:39), `middle.middle` (digit.hdl:44), `middle.distal` (digit.hdl:49), `ring.proximal` (digit.hdl:39), `ring.middle` (digit.hdl:44), `ring.distal` (digit.hdl:49), `little.proximal` (digit.hdl:39), `little.middle` (digit.hdl:44), `little.distal` (digit.hdl:49), `thumb.metacarpal` (digit.hdl:112), `thumb.proximal` (digit.hdl:117), `thumb.distal` (digit.hdl:122), `ball_body` (grasp.hdl:62).
+///
+/// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
+///
+/// 668 operations: 108 sums, 123 products, 184 products with sum, 49 roots, 20 sines and cosines.
+#[inline(always)]
+pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
+    let q_index_ab = q[0];
+    let q_index_mcp = q[1];
+    let q_index_pip = q[2];
+    let q_index_dip = q[3];
+    let q_middle_ab = q[4];
+    let q_middle_mcp = q[5];
+    let q_middle_pip = q[6];
+    let q_middle_dip = q[7];
+    let q_ring_ab = q[8];
+    let q_ring_mcp = q[9];
+    let q_ring_pip = q[10];
+    let q_ring_dip = q[11];
+    let q_little_ab = q[12];
+    let q_little_mcp = q[13];
+    let q_little_pip = q[14];
+    let q_little_dip = q[15];
+    let q_thumb_ab = q[16];
+    let q_thumb_cmc = q[17];
+    let q_thumb_mcp = q[18];
+    let q_thumb_ip = q[19];
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
+    let index_fdp_1 = mul_add(
+        L::splat(0.012),
+        cos_index_ab,
+        L::splat(1.0842021724855044e-19) * sin_index_ab,
+    ) + mul_sub(L::splat(0.012), cos_index_mcp, L::splat(0.01) * sin_index_mcp);
+    let index_fdp_2 = neg_mul_add(
+        L::splat(1.0842021724855044e-19),
+        cos_index_ab,
+        L::splat(0.012) * sin_index_ab,
+    );
+    let index_fdp_3 = L::splat(0.011)
+        - mul_add(L::splat(0.01), cos_index_mcp, L::splat(0.012) * sin_index_mcp);
+    let index_fdp_4 = mul_add(
+        index_fdp_3,
+        index_fdp_3,
+        mul_add(index_fdp_1, index_fdp_1, index_fdp_2 * index_fdp_2),
+    );
+    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
+    let index_fdp_5 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(3.1487999999999994e-5),
+            cos_index_pip,
+            L::splat(0.000172672) * sin_index_pip,
+        ),
+        L::splat(0.000354510464),
+    );
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_fdp_6 = neg_mul_add(
+        L::splat(2.0),
+        mul_add(
+            L::splat(7.315840000000005e-6),
+            cos_index_dip,
+            L::splat(7.6342e-5) * sin_index_dip,
+        ),
+        L::splat(0.00015491888400000003),
+    );
+    lengths[0] = L::splat(0.12972844537042483) + sqrt(index_fdp_4) + sqrt(index_fdp_5)
+        + sqrt(index_fdp_6);
+    let index_edc_1 = mul_add(
+        L::splat(0.002999999999999997),
+        cos_index_ab,
+        L::splat(2.439454888092385e-19) * sin_index_ab,
+    ) + mul_add(L::splat(0.003), cos_index_mcp, L::splat(0.0105) * sin_index_mcp);
+    let index_edc_2 = neg_mul_add(
+        L::splat(2.439454888092385e-19),
+        cos_index_ab,
+        L::splat(0.002999999999999997) * sin_index_ab,
+    );
+    let index_edc_3 = L::splat(-0.011)
+        + mul_sub(L::splat(0.0105), cos_index_mcp, L::splat(0.003) * sin_index_mcp);
+    let index_edc_4 = mul_add(
+        index_edc_3,
+        index_edc_3,
+        mul_add(index_edc_1, index_edc_1, index_edc_2 * index_edc_2),
+    );
+    let index_edc_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(7.699999999999999e-5),
+            cos_index_pip,
+            L::splat(3.6000000000000014e-5) * sin_index_pip,
+        ),
+        L::splat(0.00016999999999999999),
+    );
+    lengths[1] = L::splat(0.14993665655140606) + sqrt(index_edc_4) + sqrt(index_edc_5);
+    let index_interosseous_1 = L::splat(0.008) * cos_index_mcp;
+    let index_interosseous_2 = neg_mul_add(
+        L::splat(0.001),
+        sin_index_mcp,
+        index_interosseous_1,
+    )
+        - neg_mul_add(
+            L::splat(0.008000000000000004),
+            cos_index_ab,
+            L::splat(0.010999999999999996) * sin_index_ab,
+        );
+    let index_interosseous_3 = L::splat(0.01)
+        - mul_add(
+            L::splat(0.010999999999999996),
+            cos_index_ab,
+            L::splat(0.008000000000000004) * sin_index_ab,
+        );
+    let index_interosseous_4 = L::splat(0.008) * sin_index_mcp;
+    let index_interosseous_5 = L::splat(0.001)
+        - mul_add(L::splat(0.001), cos_index_mcp, index_interosseous_4);
+    let index_interosseous_6 = mul_add(
+        index_interosseous_5,
+        index_interosseous_5,
+        mul_add(
+            index_interosseous_2,
+            index_interosseous_2,
+            index_interosseous_3 * index_interosseous_3,
+        ),
+    );
+    lengths[2] = L::splat(0.045210728815182795) + sqrt(index_interosseous_6);
+    let index_band_1 = mul_add(
+        L::splat(0.007999999999999997),
+        cos_index_ab,
+        L::splat(0.010000000000000002) * sin_index_ab,
+    ) + neg_mul_add(L::splat(0.005), sin_index_mcp, index_interosseous_1);
+    let index_band_2 = L::splat(-0.009)
+        - neg_mul_add(
+            L::splat(0.010000000000000002),
+            cos_index_ab,
+            L::splat(0.007999999999999997) * sin_index_ab,
+        );
+    let index_band_3 = L::splat(0.005)
+        - mul_add(L::splat(0.005), cos_index_mcp, index_interosseous_4);
+    let index_band_4 = mul_add(
+        index_band_3,
+        index_band_3,
+        mul_add(index_band_1, index_band_1, index_band_2 * index_band_2),
+    );
+    let index_band_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(2.6999999999999985e-5),
+            cos_index_pip,
+            L::splat(3.600000000000002e-5) * sin_index_pip,
+        ),
+        L::splat(9.000000000000003e-5),
+    );
+    let index_band_6 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(3.825e-5),
+            cos_index_dip,
+            L::splat(2.5999999999999988e-5) * sin_index_dip,
+        ),
+        L::splat(9.649999999999999e-5),
+    );
+    lengths[3] = L::splat(0.09421199494172741) + sqrt(index_band_4) + sqrt(index_band_5)
+        + sqrt(index_band_6);
+    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
+    let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
+    let middle_fdp_1 = mul_add(
+        L::splat(0.011999999999999997),
+        cos_middle_ab,
+        mul_sub(L::splat(0.012), cos_middle_mcp, L::splat(0.01) * sin_middle_mcp),
+    );
+    let middle_fdp_2 = L::splat(0.011999999999999997) * sin_middle_ab;
+    let middle_fdp_3 = L::splat(0.011)
+        - mul_add(L::splat(0.01), cos_middle_mcp, L::splat(0.012) * sin_middle_mcp);
+    let middle_fdp_4 = mul_add(
+        middle_fdp_3,
+        middle_fdp_3,
+        mul_add(middle_fdp_1, middle_fdp_1, middle_fdp_2 * middle_fdp_2),
+    );
+    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
+    let middle_fdp_5 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(4.9505999999999956e-5),
+            cos_middle_pip,
+            L::splat(0.00018741399999999995) * sin_middle_pip,
+        ),
+        L::splat(0.00038801411599999986),
+    );
+    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
+    let middle_fdp_6 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(2.8467600000000052e-6),
+            cos_middle_dip,
+            L::splat(8.681400000000001e-5) * sin_middle_dip,
+        ),
+        L::splat(0.00017631659600000004),
+    );
+    lengths[4] = L::splat(0.13218112782147726) + sqrt(middle_fdp_4) + sqrt(middle_fdp_5)
+        + sqrt(middle_fdp_6);
+    let middle_edc_1 = mul_add(
+        L::splat(0.0030000000000000027),
+        cos_middle_ab,
+        mul_add(L::splat(0.003), cos_middle_mcp, L::splat(0.0105) * sin_middle_mcp),
+    );
+    let middle_edc_2 = L::splat(0.0030000000000000027) * sin_middle_ab;
+    let middle_edc_3 = L::splat(-0.011)
+        + mul_sub(L::splat(0.0105), cos_middle_mcp, L::splat(0.003) * sin_middle_mcp);
+    let middle_edc_4 = mul_add(
+        middle_edc_3,
+        middle_edc_3,
+        mul_add(middle_edc_1, middle_edc_1, middle_edc_2 * middle_edc_2),
+    );
+    let middle_edc_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(7.699999999999999e-5),
+            cos_middle_pip,
+            L::splat(3.6000000000000014e-5) * sin_middle_pip,
+        ),
+        L::splat(0.00016999999999999999),
+    );
+    lengths[5] = L::splat(0.15123287910466324) + sqrt(middle_edc_4) + sqrt(middle_edc_5);
+    let middle_interosseous_1 = L::splat(0.007999999999999993) * cos_middle_ab;
+    let middle_interosseous_2 = L::splat(0.008) * cos_middle_mcp;
+    let middle_interosseous_3 = neg_mul_add(
+        L::splat(0.001),
+        sin_middle_mcp,
+        middle_interosseous_2,
+    ) - mul_sub(L::splat(0.011), sin_middle_ab, middle_interosseous_1);
+    let middle_interosseous_4 = L::splat(0.007999999999999993) * sin_middle_ab;
+    let middle_interosseous_5 = L::splat(0.01)
+        - mul_add(L::splat(0.011), cos_middle_ab, middle_interosseous_4);
+    let middle_interosseous_6 = L::splat(0.008) * sin_middle_mcp;
+    let middle_interosseous_7 = L::splat(0.001)
+        - mul_add(L::splat(0.001), cos_middle_mcp, middle_interosseous_6);
+    let middle_interosseous_8 = mul_add(
+        middle_interosseous_7,
+        middle_interosseous_7,
+        mul_add(
+            middle_interosseous_3,
+            middle_interosseous_3,
+            middle_interosseous_5 * middle_interosseous_5,
+        ),
+    );
+    lengths[6] = L::splat(0.041720019175451005) + sqrt(middle_interosseous_8);
+    let middle_band_1 = mul_add(L::splat(0.01), sin_middle_ab, middle_interosseous_1)
+        + neg_mul_add(L::splat(0.005), sin_middle_mcp, middle_interosseous_2);
+    let middle_band_2 = L::splat(-0.009)
+        - neg_mul_add(L::splat(0.01), cos_middle_ab, middle_interosseous_4);
+    let middle_band_3 = L::splat(0.005)
+        - mul_add(L::splat(0.005), cos_middle_mcp, middle_interosseous_6);
+    let middle_band_4 = mul_add(
+        middle_band_3,
+        middle_band_3,
+        mul_add(middle_band_1, middle_band_1, middle_band_2 * middle_band_2),
+    );
+    let middle_band_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(2.6999999999999985e-5),
+            cos_middle_pip,
+            L::splat(3.600000000000002e-5) * sin_middle_pip,
+        ),
+        L::splat(9.000000000000003e-5),
+    );
+    let middle_band_6 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(3.825e-5),
+            cos_middle_dip,
+            L::splat(2.5999999999999988e-5) * sin_middle_dip,
+        ),
+        L::splat(9.649999999999999e-5),
+    );
+    lengths[7] = L::splat(0.09905932921879514) + sqrt(middle_band_4)
+        + sqrt(middle_band_5) + sqrt(middle_band_6);
+    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
+    let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
+    let ring_fdp_1 = mul_add(
+        L::splat(0.012000000000000007),
+        cos_ring_ab,
+        L::splat(1.1926223897340549e-18) * sin_ring_ab,
+    ) + mul_sub(L::splat(0.012), cos_ring_mcp, L::splat(0.01) * sin_ring_mcp);
+    let ring_fdp_2 = neg_mul_add(
+        L::splat(1.1926223897340549e-18),
+        cos_ring_ab,
+        L::splat(0.012000000000000007) * sin_ring_ab,
+    );
+    let ring_fdp_3 = L::splat(0.011)
+        - mul_add(L::splat(0.01), cos_ring_mcp, L::splat(0.012) * sin_ring_mcp);
+    let ring_fdp_4 = mul_add(
+        ring_fdp_3,
+        ring_fdp_3,
+        mul_add(ring_fdp_1, ring_fdp_1, ring_fdp_2 * ring_fdp_2),
+    );
+    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
+    let ring_fdp_5 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(4.673399999999999e-5),
+            cos_ring_pip,
+            L::splat(0.000185146) * sin_ring_pip,
+        ),
+        L::splat(0.00038251043599999996),
+    );
+    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
+    let ring_fdp_6 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(1.571779999999996e-6),
+            cos_ring_dip,
+            L::splat(8.5561e-5) * sin_ring_dip,
+        ),
+        L::splat(0.00017344544100000002),
+    );
+    lengths[8] = L::splat(0.1222069424434041) + sqrt(ring_fdp_4) + sqrt(ring_fdp_5)
+        + sqrt(ring_fdp_6);
+    let ring_edc_1 = mul_add(
+        L::splat(0.003000000000000002),
+        cos_ring_ab,
+        L::splat(2.981555974335137e-19) * sin_ring_ab,
+    ) + mul_add(L::splat(0.003), cos_ring_mcp, L::splat(0.0105) * sin_ring_mcp);
+    let ring_edc_2 = neg_mul_add(
+        L::splat(2.981555974335137e-19),
+        cos_ring_ab,
+        L::splat(0.003000000000000002) * sin_ring_ab,
+    );
+    let ring_edc_3 = L::splat(-0.011)
+        + mul_sub(L::splat(0.0105), cos_ring_mcp, L::splat(0.003) * sin_ring_mcp);
+    let ring_edc_4 = mul_add(
+        ring_edc_3,
+        ring_edc_3,
+        mul_add(ring_edc_1, ring_edc_1, ring_edc_2 * ring_edc_2),
+    );
+    let ring_edc_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(7.699999999999999e-5),
+            cos_ring_pip,
+            L::splat(3.6000000000000014e-5) * sin_ring_pip,
+        ),
+        L::splat(0.00016999999999999999),
+    );
+    lengths[9] = L::splat(0.14143565528020308) + sqrt(ring_edc_4) + sqrt(ring_edc_5);
+    let ring_interosseous_1 = L::splat(0.008) * cos_ring_mcp;
+    let ring_interosseous_2 = mul_add(
+        L::splat(0.008),
+        cos_ring_ab,
+        L::splat(0.011000000000000001) * sin_ring_ab,
+    ) + neg_mul_add(L::splat(0.001), sin_ring_mcp, ring_interosseous_1);
+    let ring_interosseous_3 = L::splat(-0.01)
+        - neg_mul_add(
+            L::splat(0.011000000000000001),
+            cos_ring_ab,
+            L::splat(0.008) * sin_ring_ab,
+        );
+    let ring_interosseous_4 = L::splat(0.008) * sin_ring_mcp;
+    let ring_interosseous_5 = L::splat(0.001)
+        - mul_add(L::splat(0.001), cos_ring_mcp, ring_interosseous_4);
+    let ring_interosseous_6 = mul_add(
+        ring_interosseous_5,
+        ring_interosseous_5,
+        mul_add(
+            ring_interosseous_2,
+            ring_interosseous_2,
+            ring_interosseous_3 * ring_interosseous_3,
+        ),
+    );
+    lengths[10] = L::splat(0.03514256678161116) + sqrt(ring_interosseous_6);
+    let ring_band_1 = neg_mul_add(L::splat(0.005), sin_ring_mcp, ring_interosseous_1)
+        - neg_mul_add(
+            L::splat(0.007999999999999998),
+            cos_ring_ab,
+            L::splat(0.010000000000000002) * sin_ring_ab,
+        );
+    let ring_band_2 = L::splat(0.009)
+        - mul_add(
+            L::splat(0.010000000000000002),
+            cos_ring_ab,
+            L::splat(0.007999999999999998) * sin_ring_ab,
+        );
+    let ring_band_3 = L::splat(0.005)
+        - mul_add(L::splat(0.005), cos_ring_mcp, ring_interosseous_4);
+    let ring_band_4 = mul_add(
+        ring_band_3,
+        ring_band_3,
+        mul_add(ring_band_1, ring_band_1, ring_band_2 * ring_band_2),
+    );
+    let ring_band_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(2.6999999999999985e-5),
+            cos_ring_pip,
+            L::splat(3.600000000000002e-5) * sin_ring_pip,
+        ),
+        L::splat(9.000000000000003e-5),
+    );
+    let ring_band_6 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(3.8249999999999995e-5),
+            cos_ring_dip,
+            L::splat(2.600000000000001e-5) * sin_ring_dip,
+        ),
+        L::splat(9.65e-5),
+    );
+    lengths[11] = L::splat(0.08891202891001955) + sqrt(ring_band_4) + sqrt(ring_band_5)
+        + sqrt(ring_band_6);
+    let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
+    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
+    let little_fdp_1 = mul_sub(
+        L::splat(0.012),
+        cos_little_mcp,
+        L::splat(0.01) * sin_little_mcp,
+    )
+        - neg_mul_add(
+            L::splat(0.012),
+            cos_little_ab,
+            L::splat(3.686287386450715e-18) * sin_little_ab,
+        );
+    let little_fdp_2 = mul_add(
+        L::splat(3.686287386450715e-18),
+        cos_little_ab,
+        L::splat(0.012) * sin_little_ab,
+    );
+    let little_fdp_3 = L::splat(0.011)
+        - mul_add(L::splat(0.01), cos_little_mcp, L::splat(0.012) * sin_little_mcp);
+    let little_fdp_4 = mul_add(
+        little_fdp_3,
+        little_fdp_3,
+        mul_add(little_fdp_1, little_fdp_1, little_fdp_2 * little_fdp_2),
+    );
+    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
+    let little_fdp_5 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(1.1621999999999991e-5),
+            cos_little_pip,
+            L::splat(0.000156418) * sin_little_pip,
+        ),
+        L::splat(0.000323790404),
+    );
+    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
+    let little_fdp_6 = neg_mul_add(
+        L::splat(2.0),
+        mul_add(
+            L::splat(1.3619199999999997e-5),
+            cos_little_dip,
+            L::splat(6.9608e-5) * sin_little_dip,
+        ),
+        L::splat(0.00014204462400000002),
+    );
+    lengths[12] = L::splat(0.1069781758046222) + sqrt(little_fdp_4) + sqrt(little_fdp_5)
+        + sqrt(little_fdp_6);
+    let little_edc_1 = mul_add(
+        L::splat(0.003000000000000003),
+        cos_little_ab,
+        L::splat(2.9815559743351372e-18) * sin_little_ab,
+    ) + mul_add(L::splat(0.003), cos_little_mcp, L::splat(0.0105) * sin_little_mcp);
+    let little_edc_2 = neg_mul_add(
+        L::splat(2.9815559743351372e-18),
+        cos_little_ab,
+        L::splat(0.003000000000000003) * sin_little_ab,
+    );
+    let little_edc_3 = L::splat(-0.011)
+        + mul_sub(L::splat(0.0105), cos_little_mcp, L::splat(0.003) * sin_little_mcp);
+    let little_edc_4 = mul_add(
+        little_edc_3,
+        little_edc_3,
+        mul_add(little_edc_1, little_edc_1, little_edc_2 * little_edc_2),
+    );
+    let little_edc_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(7.699999999999999e-5),
+            cos_little_pip,
+            L::splat(3.6000000000000014e-5) * sin_little_pip,
+        ),
+        L::splat(0.00016999999999999999),
+    );
+    lengths[13] = L::splat(0.12844554910897665) + sqrt(little_edc_4)
+        + sqrt(little_edc_5);
+    let little_interosseous_1 = L::splat(0.008) * cos_little_mcp;
+    let little_interosseous_2 = mul_add(
+        L::splat(0.008000000000000002),
+        cos_little_ab,
+        L::splat(0.010999999999999996) * sin_little_ab,
+    ) + neg_mul_add(L::splat(0.001), sin_little_mcp, little_interosseous_1);
+    let little_interosseous_3 = L::splat(-0.01)
+        - neg_mul_add(
+            L::splat(0.010999999999999996),
+            cos_little_ab,
+            L::splat(0.008000000000000002) * sin_little_ab,
+        );
+    let little_interosseous_4 = L::splat(0.008) * sin_little_mcp;
+    let little_interosseous_5 = L::splat(0.001)
+        - mul_add(L::splat(0.001), cos_little_mcp, little_interosseous_4);
+    let little_interosseous_6 = mul_add(
+        little_interosseous_5,
+        little_interosseous_5,
+        mul_add(
+            little_interosseous_2,
+            little_interosseous_2,
+            little_interosseous_3 * little_interosseous_3,
+        ),
+    );
+    lengths[14] = L::splat(0.03086243671520445) + sqrt(little_interosseous_6);
+    let little_band_1 = neg_mul_add(
+        L::splat(0.005),
+        sin_little_mcp,
+        little_interosseous_1,
+    )
+        - neg_mul_add(
+            L::splat(0.007999999999999998),
+            cos_little_ab,
+            L::splat(0.01) * sin_little_ab,
+        );
+    let little_band_2 = L::splat(0.009)
+        - mul_add(
+            L::splat(0.01),
+            cos_little_ab,
+            L::splat(0.007999999999999998) * sin_little_ab,
+        );
+    let little_band_3 = L::splat(0.005)
+        - mul_add(L::splat(0.005), cos_little_mcp, little_interosseous_4);
+    let little_band_4 = mul_add(
+        little_band_3,
+        little_band_3,
+        mul_add(little_band_1, little_band_1, little_band_2 * little_band_2),
+    );
+    let little_band_5 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(2.7e-5),
+            cos_little_pip,
+            L::splat(3.5999999999999994e-5) * sin_little_pip,
+        ),
+        L::splat(8.999999999999998e-5),
+    );
+    let little_band_6 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(3.825e-5),
+            cos_little_dip,
+            L::splat(2.5999999999999988e-5) * sin_little_dip,
+        ),
+        L::splat(9.649999999999999e-5),
+    );
+    lengths[15] = L::splat(0.06932376200206641) + sqrt(little_band_4)
+        + sqrt(little_band_5) + sqrt(little_band_6);
+    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
+    let thumb_fpl_1 = L::splat(0.012) * sin_thumb_cmc;
+    let thumb_fpl_2 = L::splat(0.012) * cos_thumb_cmc;
+    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
+    let thumb_fpl_3 = mul_add(
+        L::splat(0.008000000000000004),
+        cos_thumb_ab,
+        L::splat(0.0029999999999999996) * sin_thumb_ab,
+    ) + (thumb_fpl_2 - thumb_fpl_1);
+    let thumb_fpl_4 = L::splat(-0.002)
+        - neg_mul_add(
+            L::splat(0.0029999999999999996),
+            cos_thumb_ab,
+            L::splat(0.008000000000000004) * sin_thumb_ab,
+        );
+    let thumb_fpl_5 = L::splat(0.012000000000000004) - (thumb_fpl_2 + thumb_fpl_1);
+    let thumb_fpl_6 = mul_add(
+        thumb_fpl_5,
+        thumb_fpl_5,
+        mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_4 * thumb_fpl_4),
+    );
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let thumb_fpl_7 = neg_mul_add(
+        L::splat(2.0),
+        mul_add(
+            L::splat(9.999999999999972e-6),
+            cos_thumb_mcp,
+            L::splat(0.00021) * sin_thumb_mcp,
+        ),
+        L::splat(0.00042100000000000004),
+    );
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_fpl_8 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(4.799999999999981e-6),
+            cos_thumb_ip,
+            L::splat(0.00014879999999999998) * sin_thumb_ip,
+        ),
+        L::splat(0.00030115999999999997),
+    );
+    lengths[16] = L::splat(0.0774786774042295) + sqrt(thumb_fpl_6) + sqrt(thumb_fpl_7)
+        + sqrt(thumb_fpl_8);
+    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, thumb_fpl_1);
+    let thumb_epl_2 = mul_add(
+        L::splat(0.004),
+        cos_thumb_ab,
+        L::splat(0.008) * sin_thumb_ab,
+    ) + thumb_epl_1;
+    let thumb_epl_3 = L::splat(-0.008)
+        - neg_mul_add(L::splat(0.008), cos_thumb_ab, L::splat(0.004) * sin_thumb_ab);
+    let thumb_epl_4 = L::splat(-0.012000000000000004)
+        + neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_5 = mul_add(
+        thumb_epl_4,
+        thumb_epl_4,
+        mul_add(thumb_epl_2, thumb_epl_2, thumb_epl_3 * thumb_epl_3),
+    );
+    let thumb_epl_6 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(0.00011549999999999999),
+            cos_thumb_mcp,
+            L::splat(5.17e-5) * sin_thumb_mcp,
+        ),
+        L::splat(0.00025309000000000003),
+    );
+    let thumb_epl_7 = sqrt(thumb_epl_6);
+    let thumb_epl_8 = neg_mul_add(
+        L::splat(2.0),
+        mul_sub(
+            L::splat(9.475e-5),
+            cos_thumb_ip,
+            L::splat(4.6000000000000014e-5) * sin_thumb_ip,
+        ),
+        L::splat(0.00021066000000000002),
+    );
+    lengths[17] = L::splat(0.10924140044546013) + sqrt(thumb_epl_5) + thumb_epl_7
+        + sqrt(thumb_epl_8);
+    let thumb_epb_1 = thumb_epl_1
+        - neg_mul_add(
+            L::splat(0.003999999999999999),
+            cos_thumb_ab,
+            L::splat(0.005000000000000001) * sin_thumb_ab,
+        );
+    let thumb_epb_2 = L::splat(0.005)
+        - mul_add(
+            L::splat(0.005000000000000001),
+            cos_thumb_ab,
+            L::splat(0.003999999999999999) * sin_thumb_ab,
+        );
+    let thumb_epb_3 = mul_add(
+        thumb_epl_4,
+        thumb_epl_4,
+        mul_add(thumb_epb_1, thumb_epb_1, thumb_epb_2 * thumb_epb_2),
+    );
+    lengths[18] = thumb_epl_7 + (L::splat(0.07536380062479958) + sqrt(thumb_epb_3));
+    let thumb_apl_1 = L::splat(0.006) * cos_thumb_cmc;
+    let thumb_apl_2 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_1)
+        - neg_mul_add(
+            L::splat(0.007000000000000001),
+            cos_thumb_ab,
+            L::splat(0.012000000000000004) * sin_thumb_ab,
+        );
+    let thumb_apl_3 = L::splat(0.012)
+        - mul_add(
+            L::splat(0.012000000000000004),
+            cos_thumb_ab,
+            L::splat(0.007000000000000001) * sin_thumb_ab,
+        );
+    let thumb_apl_4 = L::splat(0.006) * sin_thumb_cmc;
+    let thumb_apl_5 = L::splat(-0.005)
+        + mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_4);
+    let thumb_apl_6 = mul_add(
+        thumb_apl_5,
+        thumb_apl_5,
+        mul_add(thumb_apl_2, thumb_apl_2, thumb_apl_3 * thumb_apl_3),
+    );
+    lengths[19] = L::splat(0.030550892117392127) + sqrt(thumb_apl_6);
+    let thumb_apb_1 = mul_sub(
+        L::splat(0.03),
+        cos_thumb_cmc,
+        L::splat(0.007) * sin_thumb_cmc,
+    )
+        - neg_mul_add(
+            L::splat(0.00874910502142235),
+            cos_thumb_ab,
+            L::splat(0.003271760106466037) * sin_thumb_ab,
+        );
+    let thumb_apb_2 = L::splat(0.009)
+        - mul_add(
+            L::splat(0.003271760106466037),
+            cos_thumb_ab,
+            L::splat(0.00874910502142235) * sin_thumb_ab,
+        );
+    let thumb_apb_3 = L::splat(0.01329468868119369)
+        - mul_add(L::splat(0.007), cos_thumb_cmc, L::splat(0.03) * sin_thumb_cmc);
+    let thumb_apb_4 = mul_add(
+        thumb_apb_3,
+        thumb_apb_3,
+        mul_add(thumb_apb_1, thumb_apb_1, thumb_apb_2 * thumb_apb_2),
+    );
+    let thumb_apb_5 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(
+            L::splat(2.9599999999999994e-5),
+            cos_thumb_mcp,
+            L::splat(9.72e-5) * sin_thumb_mcp,
+        ),
+        L::splat(0.00020423999999999998),
+    );
+    lengths[20] = L::splat(0.008062257748298557) + sqrt(thumb_apb_4) + sqrt(thumb_apb_5);
+    let thumb_opp_1 = mul_add(
+        L::splat(0.009538977305795334),
+        cos_thumb_ab,
+        L::splat(0.00046527292621430325) * sin_thumb_ab,
+    ) + mul_sub(L::splat(0.028), cos_thumb_cmc, L::splat(0.01) * sin_thumb_cmc);
+    let thumb_opp_2 = L::splat(0.004)
+        - neg_mul_add(
+            L::splat(0.00046527292621430325),
+            cos_thumb_ab,
+            L::splat(0.009538977305795334) * sin_thumb_ab,
+        );
+    let thumb_opp_3 = L::splat(0.01941111622405197)
+        - mul_add(L::splat(0.01), cos_thumb_cmc, L::splat(0.028) * sin_thumb_cmc);
+    let thumb_opp_4 = mul_add(
+        thumb_opp_3,
+        thumb_opp_3,
+        mul_add(thumb_opp_1, thumb_opp_1, thumb_opp_2 * thumb_opp_2),
+    );
+    lengths[21] = sqrt(thumb_opp_4);
+    let thumb_adp_1 = mul_sub(L::splat(0.038000000000000006), cos_thumb_cmc, thumb_apl_4)
+        - mul_sub(
+            L::splat(0.025486067515228545),
+            cos_thumb_ab,
+            L::splat(0.029821276684971594) * sin_thumb_ab,
+        );
+    let thumb_adp_2 = L::splat(-0.009)
+        + mul_add(
+            L::splat(0.029821276684971594),
+            cos_thumb_ab,
+            L::splat(0.025486067515228545) * sin_thumb_ab,
+        );
+    let thumb_adp_3 = L::splat(0.04065896972978512)
+        - mul_add(L::splat(0.038000000000000006), sin_thumb_cmc, thumb_apl_1);
+    let thumb_adp_4 = mul_add(
+        thumb_adp_3,
+        thumb_adp_3,
+        mul_add(thumb_adp_1, thumb_adp_1, thumb_adp_2 * thumb_adp_2),
+    );
+    let thumb_adp_5 = neg_mul_add(
+        L::splat(2.0),
+        neg_mul_add(L::splat(3.56e-5), cos_thumb_mcp, L::splat(8.9e-5) * sin_thumb_mcp),
+        L::splat(0.00019224000000000004),
+    );
+    lengths[22] = sqrt(thumb_adp_4) + sqrt(thumb_adp_5);
+}
+
+/// Where the numbers of each block stand.
+pub static PLACES: [Place<26, 23, 0>; 1] = [
+    Place {
+        coordinates: [
+            0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21,
+            22, 23, 24, 25,
+        ],
+        strands: [
+            0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21,
+            22,
+        ],
+        inputs: [],
+        matrix: 0,
+    },
+];
+
+/// Constants of each block.
+pub fn constants(params: &[f64; PARAMETERS], values: &[f64; VALUES]) -> [[f64; 5]; 1] {
+    [
+        [
+            params[parameter::DAMPING],
+            params[parameter::K_INTRINSIC],
+            params[parameter::K_FLEXOR],
+            params[parameter::K_EXTENSOR],
+            values[0],
+        ],
+    ]
+}
+
+/// The equations as the integrator sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Equations;
+
+impl Shape<26, 676, 26, 23, 0> for Equations {
+    const CONSTANTS: usize = 5;
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate<L: Lane>(
+        at: &Local<L, 26, 23, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 26],
+        force: &mut [L; 26],
+    ) {
+        self::evaluate(&at.q, &at.v, &at.rest, constants, momentum, force);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate_with_matrix<L: Lane>(
+        at: &Local<L, 26, 23, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 26],
+        force: &mut [L; 26],
+        matrix: &mut [L; 676],
+    ) {
+        self::evaluate_with_matrix(
+            &at.q,
+            &at.v,
+            at.h,
+            &at.rest,
+            constants,
+            momentum,
+            force,
+            matrix,
+        );
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn mass_matrix<L: Lane>(q: &[L; 26], constants: &[f64], matrix: &mut [L; 676]) {
+        self::mass_matrix(q, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn lengths<L: Lane>(q: &[L; 26], constants: &[f64], lengths: &mut [L; 23]) {
+        self::lengths(q, lengths);
+    }
 }

@@ -2,8 +2,10 @@
 
 //! Block `whole` of the step equations.
 
-use crate::layout::{COORDINATES, MATRIX, coordinate};
-use handc_core::math::{mul_add, sin, sin_cos};
+use crate::layout::{PARAMETERS, VALUES};
+use handc_core::lane::Lane;
+use handc_core::lane::functions::{mul_add, sin, sin_cos};
+use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
 ///
@@ -12,17 +14,18 @@ use handc_core::math::{mul_add, sin, sin_cos};
 /// Bodies: `bob` (pendulum.hdl:12).
 ///
 /// 2 operations: 1 product, 1 sine and cosine.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
+#[inline(always)]
+pub fn evaluate<L: Lane>(
+    q: &[L; 1],
+    v: &[L; 1],
+    momentum: &mut [L; 1],
+    force: &mut [L; 1],
 ) {
-    let q_theta = q[coordinate::THETA];
-    let v_theta = v[coordinate::THETA];
-    momentum[coordinate::THETA] = v_theta;
+    let q_theta = q[0];
+    let v_theta = v[0];
+    momentum[0] = v_theta;
     let sin_theta = sin(q_theta);
-    force[coordinate::THETA] = -9.81 * sin_theta;
+    force[0] = L::splat(-9.81) * sin_theta;
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -32,20 +35,25 @@ pub fn evaluate(
 /// Bodies: `bob` (pendulum.hdl:12).
 ///
 /// 7 operations: 3 products, 1 product with sum, 1 division, 1 sine and cosine.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
+#[inline(always)]
+pub fn evaluate_with_matrix<L: Lane>(
+    q: &[L; 1],
+    v: &[L; 1],
+    h: L,
+    momentum: &mut [L; 1],
+    force: &mut [L; 1],
+    matrix: &mut [L; 1],
 ) {
-    let q_theta = q[coordinate::THETA];
-    let v_theta = v[coordinate::THETA];
-    momentum[coordinate::THETA] = v_theta;
+    let q_theta = q[0];
+    let v_theta = v[0];
+    momentum[0] = v_theta;
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    force[coordinate::THETA] = -9.81 * sin_theta;
-    let theta_1 = mul_add(9.81 * cos_theta, 0.25 * h, 1.0 / h);
+    force[0] = L::splat(-9.81) * sin_theta;
+    let theta_1 = mul_add(
+        L::splat(9.81) * cos_theta,
+        L::splat(0.25) * h,
+        L::splat(1.0) / h,
+    );
     matrix[0] = -theta_1;
 }
 
@@ -56,6 +64,62 @@ pub fn evaluate_with_matrix(
 /// Bodies: `bob` (pendulum.hdl:12).
 ///
 /// 0 operations.
-pub fn mass_matrix(matrix: &mut [f64; MATRIX]) {
-    matrix[0] = 1.0;
+#[inline(always)]
+pub fn mass_matrix<L: Lane>(matrix: &mut [L; 1]) {
+    matrix[0] = L::splat(1.0);
+}
+
+/// Where the numbers of each block stand.
+pub static PLACES: [Place<1, 0, 0>; 1] = [
+    Place {
+        coordinates: [0],
+        strands: [],
+        inputs: [],
+        matrix: 0,
+    },
+];
+
+/// Constants of each block.
+pub fn constants(_params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 0]; 1] {
+    [[]]
+}
+
+/// The equations as the integrator sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Equations;
+
+impl Shape<1, 1, 1, 0, 0> for Equations {
+    const CONSTANTS: usize = 0;
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate<L: Lane>(
+        at: &Local<L, 1, 0, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 1],
+        force: &mut [L; 1],
+    ) {
+        self::evaluate(&at.q, &at.v, momentum, force);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate_with_matrix<L: Lane>(
+        at: &Local<L, 1, 0, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 1],
+        force: &mut [L; 1],
+        matrix: &mut [L; 1],
+    ) {
+        self::evaluate_with_matrix(&at.q, &at.v, at.h, momentum, force, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn mass_matrix<L: Lane>(q: &[L; 1], constants: &[f64], matrix: &mut [L; 1]) {
+        self::mass_matrix(matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn lengths<L: Lane>(q: &[L; 1], constants: &[f64], lengths: &mut [L; 0]) {}
 }

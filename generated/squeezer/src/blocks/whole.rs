@@ -2,10 +2,10 @@
 
 //! Block `whole` of the step equations.
 
-use crate::layout::{
-    COORDINATES, MATRIX, PARAMETERS, STRANDS, coordinate, parameter, strand,
-};
-use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use crate::layout::{PARAMETERS, VALUES, parameter};
+use handc_core::lane::Lane;
+use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
 ///
@@ -18,85 +18,96 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 /// Torques: `motor` (squeezer.hdl:77).
 ///
 /// 90 operations: 7 sums, 35 products, 21 products with sum, 1 division, 1 root, 4 sines and cosines.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
+#[inline(always)]
+pub fn evaluate<L: Lane>(
+    q: &[L; 7],
+    v: &[L; 7],
+    rest: &[L; 1],
+    constants: &[f64],
+    momentum: &mut [L; 7],
+    force: &mut [L; 7],
 ) {
-    let q_theta = q[coordinate::THETA];
-    let q_gamma = q[coordinate::GAMMA];
-    let q_phi = q[coordinate::PHI];
-    let q_omega = q[coordinate::OMEGA];
-    let v_beta = v[coordinate::BETA];
-    let v_theta = v[coordinate::THETA];
-    let v_gamma = v[coordinate::GAMMA];
-    let v_delta = v[coordinate::DELTA];
-    let v_phi = v[coordinate::PHI];
-    let v_epsilon = v[coordinate::EPSILON];
-    let v_omega = v[coordinate::OMEGA];
-    let mom = params[parameter::MOM];
-    let c0 = params[parameter::C0];
-    let rest_spring = rest[strand::SPRING];
+    let constants = &constants[..2 * L::WIDTH];
+    let q_theta = q[1];
+    let q_gamma = q[2];
+    let q_phi = q[4];
+    let q_omega = q[6];
+    let v_beta = v[0];
+    let v_theta = v[1];
+    let v_gamma = v[2];
+    let v_delta = v[3];
+    let v_phi = v[4];
+    let v_epsilon = v[5];
+    let v_omega = v[6];
+    let rest_spring = rest[0];
+    let c_0 = L::load(&constants[0 * L::WIDTH..]);
+    let c_1 = L::load(&constants[1 * L::WIDTH..]);
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(0.0115, cos_theta, 0.007);
-    let beta_2 = 0.00365 * beta_1;
-    let beta_3 = 4.1975e-5 * sin_theta;
-    let beta_4 = 4.41e-7 + mul_add(beta_1, beta_2, 0.0115 * sin_theta * beta_3);
+    let beta_1 = neg_mul_add(L::splat(0.0115), cos_theta, L::splat(0.007));
+    let beta_2 = L::splat(0.00365) * beta_1;
+    let beta_3 = L::splat(4.1975e-5) * sin_theta;
+    let beta_4 = L::splat(4.41e-7)
+        + mul_add(beta_1, beta_2, L::splat(0.0115) * sin_theta * beta_3);
     let beta_5 = v_beta + v_theta;
-    let beta_6 = mul_sub(beta_5, beta_4, 0.007 * v_theta * beta_2);
-    momentum[coordinate::BETA] = mul_add(2.2306068000000004e-6, v_beta, beta_6);
-    momentum[coordinate::THETA] = neg_mul_add(
-        0.007,
-        neg_mul_add(2.555e-5, v_theta, beta_5 * beta_2),
+    let beta_6 = mul_sub(beta_5, beta_4, L::splat(0.007) * v_theta * beta_2);
+    momentum[0] = mul_add(L::splat(2.2306068000000004e-6), v_beta, beta_6);
+    momentum[1] = neg_mul_add(
+        L::splat(0.007),
+        neg_mul_add(L::splat(2.555e-5), v_theta, beta_5 * beta_2),
         beta_6,
     );
-    momentum[coordinate::GAMMA] = 1.6170147425e-5 * v_gamma;
+    momentum[2] = L::splat(1.6170147425e-5) * v_gamma;
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(0.00579, sin_phi, 0.04);
-    let delta_2 = 0.00706 * delta_1;
-    let delta_3 = 4.08774e-5 * cos_phi;
-    let delta_4 = 5.667e-7 + mul_add(delta_1, delta_2, 0.00579 * cos_phi * delta_3);
+    let delta_1 = mul_add(L::splat(0.00579), sin_phi, L::splat(0.04));
+    let delta_2 = L::splat(0.00706) * delta_1;
+    let delta_3 = L::splat(4.08774e-5) * cos_phi;
+    let delta_4 = L::splat(5.667e-7)
+        + mul_add(delta_1, delta_2, L::splat(0.00579) * cos_phi * delta_3);
     let delta_5 = v_delta + v_phi;
-    let delta_6 = mul_sub(delta_5, delta_4, 0.04 * v_phi * delta_2);
-    momentum[coordinate::DELTA] = mul_add(5.5159736e-5, v_delta, delta_6);
-    momentum[coordinate::PHI] = neg_mul_add(
-        0.04,
-        neg_mul_add(0.00028240000000000003, v_phi, delta_5 * delta_2),
+    let delta_6 = mul_sub(delta_5, delta_4, L::splat(0.04) * v_phi * delta_2);
+    momentum[3] = mul_add(L::splat(5.5159736e-5), v_delta, delta_6);
+    momentum[4] = neg_mul_add(
+        L::splat(0.04),
+        neg_mul_add(L::splat(0.00028240000000000003), v_phi, delta_5 * delta_2),
         delta_6,
     );
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(0.00579, sin_omega, -0.04);
-    let epsilon_2 = 0.00706 * epsilon_1;
-    let epsilon_3 = 4.08774e-5 * cos_omega;
-    let epsilon_4 = 5.667e-7
-        + mul_add(0.00579 * cos_omega, epsilon_3, epsilon_1 * epsilon_2);
+    let epsilon_1 = mul_add(L::splat(0.00579), sin_omega, L::splat(-0.04));
+    let epsilon_2 = L::splat(0.00706) * epsilon_1;
+    let epsilon_3 = L::splat(4.08774e-5) * cos_omega;
+    let epsilon_4 = L::splat(5.667e-7)
+        + mul_add(L::splat(0.00579) * cos_omega, epsilon_3, epsilon_1 * epsilon_2);
     let epsilon_5 = v_epsilon + v_omega;
-    let epsilon_6 = mul_add(epsilon_5, epsilon_4, 0.04 * v_omega * epsilon_2);
-    momentum[coordinate::EPSILON] = mul_add(2.851929833e-5, v_epsilon, epsilon_6);
-    momentum[coordinate::OMEGA] = mul_add(
-        0.04,
-        mul_add(0.00028240000000000003, v_omega, epsilon_5 * epsilon_2),
+    let epsilon_6 = mul_add(epsilon_5, epsilon_4, L::splat(0.04) * v_omega * epsilon_2);
+    momentum[5] = mul_add(L::splat(2.851929833e-5), v_epsilon, epsilon_6);
+    momentum[6] = mul_add(
+        L::splat(0.04),
+        mul_add(L::splat(0.00028240000000000003), v_omega, epsilon_5 * epsilon_2),
         epsilon_6,
     );
-    force[coordinate::BETA] = mom;
-    force[coordinate::THETA] = 0.007 * v_beta * (beta_5 * beta_3);
+    force[0] = c_0;
+    force[1] = L::splat(0.007) * v_beta * (beta_5 * beta_3);
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
     let spring_1 = neg_mul_add(
-        2.0,
-        mul_add(0.00030014000000000017, cos_gamma, 0.0016917 * sin_gamma),
-        0.0048012554,
+        L::splat(2.0),
+        mul_add(
+            L::splat(0.00030014000000000017),
+            cos_gamma,
+            L::splat(0.0016917) * sin_gamma,
+        ),
+        L::splat(0.0048012554),
     );
     let spring_2 = sqrt(spring_1);
-    let spring_3 = mul_sub(0.00030014000000000017, sin_gamma, 0.0016917 * cos_gamma)
-        / spring_2;
-    force[coordinate::GAMMA] = -(spring_3 * (c0 * (spring_2 - rest_spring)));
-    force[coordinate::DELTA] = 0.0;
-    force[coordinate::PHI] = 0.04 * v_delta * (delta_5 * delta_3);
-    force[coordinate::EPSILON] = 0.0;
-    force[coordinate::OMEGA] = -(0.04 * v_epsilon * (epsilon_5 * epsilon_3));
+    let spring_3 = mul_sub(
+        L::splat(0.00030014000000000017),
+        sin_gamma,
+        L::splat(0.0016917) * cos_gamma,
+    ) / spring_2;
+    force[2] = -(spring_3 * ((spring_2 - rest_spring) * c_1));
+    force[3] = L::splat(0.0);
+    force[4] = L::splat(0.04) * v_delta * (delta_5 * delta_3);
+    force[5] = L::splat(0.0);
+    force[6] = -(L::splat(0.04) * v_epsilon * (epsilon_5 * epsilon_3));
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -110,123 +121,149 @@ pub fn evaluate(
 /// Torques: `motor` (squeezer.hdl:77).
 ///
 /// 167 operations: 13 sums, 57 products, 45 products with sum, 2 divisions, 1 root, 4 sines and cosines.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
+#[inline(always)]
+pub fn evaluate_with_matrix<L: Lane>(
+    q: &[L; 7],
+    v: &[L; 7],
+    h: L,
+    rest: &[L; 1],
+    constants: &[f64],
+    momentum: &mut [L; 7],
+    force: &mut [L; 7],
+    matrix: &mut [L; 49],
 ) {
-    let q_theta = q[coordinate::THETA];
-    let q_gamma = q[coordinate::GAMMA];
-    let q_phi = q[coordinate::PHI];
-    let q_omega = q[coordinate::OMEGA];
-    let v_beta = v[coordinate::BETA];
-    let v_theta = v[coordinate::THETA];
-    let v_gamma = v[coordinate::GAMMA];
-    let v_delta = v[coordinate::DELTA];
-    let v_phi = v[coordinate::PHI];
-    let v_epsilon = v[coordinate::EPSILON];
-    let v_omega = v[coordinate::OMEGA];
-    let mom = params[parameter::MOM];
-    let c0 = params[parameter::C0];
-    let rest_spring = rest[strand::SPRING];
+    let constants = &constants[..2 * L::WIDTH];
+    let q_theta = q[1];
+    let q_gamma = q[2];
+    let q_phi = q[4];
+    let q_omega = q[6];
+    let v_beta = v[0];
+    let v_theta = v[1];
+    let v_gamma = v[2];
+    let v_delta = v[3];
+    let v_phi = v[4];
+    let v_epsilon = v[5];
+    let v_omega = v[6];
+    let rest_spring = rest[0];
+    let c_0 = L::load(&constants[0 * L::WIDTH..]);
+    let c_1 = L::load(&constants[1 * L::WIDTH..]);
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(0.0115, cos_theta, 0.007);
-    let beta_2 = 0.00365 * beta_1;
-    let beta_3 = 4.1975e-5 * sin_theta;
-    let beta_4 = mul_add(beta_1, beta_2, 0.0115 * sin_theta * beta_3);
-    let beta_5 = 4.41e-7 + beta_4;
+    let beta_1 = neg_mul_add(L::splat(0.0115), cos_theta, L::splat(0.007));
+    let beta_2 = L::splat(0.00365) * beta_1;
+    let beta_3 = L::splat(4.1975e-5) * sin_theta;
+    let beta_4 = mul_add(beta_1, beta_2, L::splat(0.0115) * sin_theta * beta_3);
+    let beta_5 = L::splat(4.41e-7) + beta_4;
     let beta_6 = v_beta + v_theta;
-    let beta_7 = mul_sub(beta_6, beta_5, 0.007 * v_theta * beta_2);
-    momentum[coordinate::BETA] = mul_add(2.2306068000000004e-6, v_beta, beta_7);
-    let theta_1 = neg_mul_add(2.555e-5, v_theta, beta_6 * beta_2);
-    momentum[coordinate::THETA] = neg_mul_add(0.007, theta_1, beta_7);
-    momentum[coordinate::GAMMA] = 1.6170147425e-5 * v_gamma;
+    let beta_7 = mul_sub(beta_6, beta_5, L::splat(0.007) * v_theta * beta_2);
+    momentum[0] = mul_add(L::splat(2.2306068000000004e-6), v_beta, beta_7);
+    let theta_1 = neg_mul_add(L::splat(2.555e-5), v_theta, beta_6 * beta_2);
+    momentum[1] = neg_mul_add(L::splat(0.007), theta_1, beta_7);
+    momentum[2] = L::splat(1.6170147425e-5) * v_gamma;
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(0.00579, sin_phi, 0.04);
-    let delta_2 = 0.00706 * delta_1;
-    let delta_3 = 4.08774e-5 * cos_phi;
-    let delta_4 = mul_add(delta_1, delta_2, 0.00579 * cos_phi * delta_3);
-    let delta_5 = 5.667e-7 + delta_4;
+    let delta_1 = mul_add(L::splat(0.00579), sin_phi, L::splat(0.04));
+    let delta_2 = L::splat(0.00706) * delta_1;
+    let delta_3 = L::splat(4.08774e-5) * cos_phi;
+    let delta_4 = mul_add(delta_1, delta_2, L::splat(0.00579) * cos_phi * delta_3);
+    let delta_5 = L::splat(5.667e-7) + delta_4;
     let delta_6 = v_delta + v_phi;
-    let delta_7 = mul_sub(delta_6, delta_5, 0.04 * v_phi * delta_2);
-    momentum[coordinate::DELTA] = mul_add(5.5159736e-5, v_delta, delta_7);
-    let phi_1 = neg_mul_add(0.00028240000000000003, v_phi, delta_6 * delta_2);
-    momentum[coordinate::PHI] = neg_mul_add(0.04, phi_1, delta_7);
+    let delta_7 = mul_sub(delta_6, delta_5, L::splat(0.04) * v_phi * delta_2);
+    momentum[3] = mul_add(L::splat(5.5159736e-5), v_delta, delta_7);
+    let phi_1 = neg_mul_add(L::splat(0.00028240000000000003), v_phi, delta_6 * delta_2);
+    momentum[4] = neg_mul_add(L::splat(0.04), phi_1, delta_7);
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(0.00579, sin_omega, -0.04);
-    let epsilon_2 = 0.00706 * epsilon_1;
-    let epsilon_3 = 4.08774e-5 * cos_omega;
-    let epsilon_4 = mul_add(0.00579 * cos_omega, epsilon_3, epsilon_1 * epsilon_2);
-    let epsilon_5 = 5.667e-7 + epsilon_4;
+    let epsilon_1 = mul_add(L::splat(0.00579), sin_omega, L::splat(-0.04));
+    let epsilon_2 = L::splat(0.00706) * epsilon_1;
+    let epsilon_3 = L::splat(4.08774e-5) * cos_omega;
+    let epsilon_4 = mul_add(
+        L::splat(0.00579) * cos_omega,
+        epsilon_3,
+        epsilon_1 * epsilon_2,
+    );
+    let epsilon_5 = L::splat(5.667e-7) + epsilon_4;
     let epsilon_6 = v_epsilon + v_omega;
-    let epsilon_7 = mul_add(epsilon_6, epsilon_5, 0.04 * v_omega * epsilon_2);
-    momentum[coordinate::EPSILON] = mul_add(2.851929833e-5, v_epsilon, epsilon_7);
-    let omega_1 = mul_add(0.00028240000000000003, v_omega, epsilon_6 * epsilon_2);
-    momentum[coordinate::OMEGA] = mul_add(0.04, omega_1, epsilon_7);
-    force[coordinate::BETA] = mom;
+    let epsilon_7 = mul_add(epsilon_6, epsilon_5, L::splat(0.04) * v_omega * epsilon_2);
+    momentum[5] = mul_add(L::splat(2.851929833e-5), v_epsilon, epsilon_7);
+    let omega_1 = mul_add(
+        L::splat(0.00028240000000000003),
+        v_omega,
+        epsilon_6 * epsilon_2,
+    );
+    momentum[6] = mul_add(L::splat(0.04), omega_1, epsilon_7);
+    force[0] = c_0;
     let theta_2 = beta_6 * beta_3;
-    let theta_3 = 0.007 * v_beta;
-    force[coordinate::THETA] = theta_3 * theta_2;
+    let theta_3 = L::splat(0.007) * v_beta;
+    force[1] = theta_3 * theta_2;
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = mul_add(0.00030014000000000017, cos_gamma, 0.0016917 * sin_gamma);
-    let spring_2 = sqrt(neg_mul_add(2.0, spring_1, 0.0048012554));
-    let spring_3 = 1.0 / spring_2;
+    let spring_1 = mul_add(
+        L::splat(0.00030014000000000017),
+        cos_gamma,
+        L::splat(0.0016917) * sin_gamma,
+    );
+    let spring_2 = sqrt(neg_mul_add(L::splat(2.0), spring_1, L::splat(0.0048012554)));
+    let spring_3 = L::splat(1.0) / spring_2;
     let spring_4 = spring_3
-        * mul_sub(0.00030014000000000017, sin_gamma, 0.0016917 * cos_gamma);
-    let spring_5 = c0 * (spring_2 - rest_spring);
-    force[coordinate::GAMMA] = -(spring_4 * spring_5);
-    force[coordinate::DELTA] = 0.0;
+        * mul_sub(
+            L::splat(0.00030014000000000017),
+            sin_gamma,
+            L::splat(0.0016917) * cos_gamma,
+        );
+    let spring_5 = (spring_2 - rest_spring) * c_1;
+    force[2] = -(spring_4 * spring_5);
+    force[3] = L::splat(0.0);
     let phi_2 = delta_6 * delta_3;
-    let phi_3 = 0.04 * v_delta;
-    force[coordinate::PHI] = phi_3 * phi_2;
-    force[coordinate::EPSILON] = 0.0;
+    let phi_3 = L::splat(0.04) * v_delta;
+    force[4] = phi_3 * phi_2;
+    force[5] = L::splat(0.0);
     let omega_2 = epsilon_6 * epsilon_3;
-    let omega_3 = 0.04 * v_epsilon;
-    force[coordinate::OMEGA] = -(omega_3 * omega_2);
-    let beta_8 = 1.0 / h;
-    matrix[0] = -((2.6716068000000005e-6 + beta_4) * beta_8);
-    let beta_9 = beta_8 * neg_mul_add(2.555e-5, beta_1, beta_5);
-    let beta_10 = mul_add(theta_3, beta_3, 0.007 * theta_2);
-    matrix[1] = -mul_add(0.5, beta_10, beta_9);
-    matrix[7] = mul_sub(0.5, beta_10, beta_9);
-    let spring_6 = 0.25 * h;
+    let omega_3 = L::splat(0.04) * v_epsilon;
+    force[6] = -(omega_3 * omega_2);
+    let beta_8 = L::splat(1.0) / h;
+    matrix[0] = -((L::splat(2.6716068000000005e-6) + beta_4) * beta_8);
+    let beta_9 = beta_8 * neg_mul_add(L::splat(2.555e-5), beta_1, beta_5);
+    let beta_10 = mul_add(theta_3, beta_3, L::splat(0.007) * theta_2);
+    matrix[1] = -mul_add(L::splat(0.5), beta_10, beta_9);
+    matrix[7] = mul_sub(L::splat(0.5), beta_10, beta_9);
+    let spring_6 = L::splat(0.25) * h;
     matrix[8] = mul_add(
         theta_3,
-        spring_6 * mul_sub(2.555e-5, v_beta, theta_1),
-        mul_sub(0.007, beta_8 * (-2.555e-5 + beta_2), beta_9),
+        spring_6 * mul_sub(L::splat(2.555e-5), v_beta, theta_1),
+        mul_sub(L::splat(0.007), beta_8 * (L::splat(-2.555e-5) + beta_2), beta_9),
     );
-    let spring_7 = spring_3 * neg_mul_add(spring_4, spring_4, spring_1)
-        * (spring_6 * spring_5);
-    let gamma_1 = mul_add(
-        1.6170147425e-5,
-        beta_8,
-        mul_add(spring_4, spring_4 * (c0 * spring_6), spring_7),
+    let spring_7 = mul_add(
+        spring_3 * neg_mul_add(spring_4, spring_4, spring_1),
+        spring_6 * spring_5,
+        spring_4 * (spring_4 * (spring_6 * c_1)),
     );
-    matrix[16] = -gamma_1;
-    matrix[24] = -(beta_8 * (5.5726436e-5 + delta_4));
-    let delta_8 = beta_8 * neg_mul_add(0.00028240000000000003, delta_1, delta_5);
-    let delta_9 = mul_add(phi_3, delta_3, 0.04 * phi_2);
-    matrix[25] = -mul_add(0.5, delta_9, delta_8);
-    matrix[31] = mul_sub(0.5, delta_9, delta_8);
+    matrix[16] = -mul_add(L::splat(1.6170147425e-5), beta_8, spring_7);
+    matrix[24] = -(beta_8 * (L::splat(5.5726436e-5) + delta_4));
+    let delta_8 = beta_8
+        * neg_mul_add(L::splat(0.00028240000000000003), delta_1, delta_5);
+    let delta_9 = mul_add(phi_3, delta_3, L::splat(0.04) * phi_2);
+    matrix[25] = -mul_add(L::splat(0.5), delta_9, delta_8);
+    matrix[31] = mul_sub(L::splat(0.5), delta_9, delta_8);
     matrix[32] = mul_add(
         phi_3,
-        spring_6 * mul_sub(0.00028240000000000003, v_delta, phi_1),
-        mul_sub(0.04, beta_8 * (-0.00028240000000000003 + delta_2), delta_8),
+        spring_6 * mul_sub(L::splat(0.00028240000000000003), v_delta, phi_1),
+        mul_sub(
+            L::splat(0.04),
+            beta_8 * (L::splat(-0.00028240000000000003) + delta_2),
+            delta_8,
+        ),
     );
-    matrix[40] = -(beta_8 * (2.9085998329999998e-5 + epsilon_4));
-    let epsilon_8 = beta_8 * mul_add(0.00028240000000000003, epsilon_1, epsilon_5);
-    let epsilon_9 = mul_add(omega_3, epsilon_3, 0.04 * omega_2);
-    matrix[41] = mul_sub(0.5, epsilon_9, epsilon_8);
-    matrix[47] = -mul_add(0.5, epsilon_9, epsilon_8);
+    matrix[40] = -(beta_8 * (L::splat(2.9085998329999998e-5) + epsilon_4));
+    let epsilon_8 = beta_8
+        * mul_add(L::splat(0.00028240000000000003), epsilon_1, epsilon_5);
+    let epsilon_9 = mul_add(omega_3, epsilon_3, L::splat(0.04) * omega_2);
+    matrix[41] = mul_sub(L::splat(0.5), epsilon_9, epsilon_8);
+    matrix[47] = -mul_add(L::splat(0.5), epsilon_9, epsilon_8);
     matrix[48] = mul_add(
         omega_3,
-        spring_6 * mul_add(0.00028240000000000003, v_epsilon, omega_1),
-        mul_sub(0.04, beta_8 * (-0.00028240000000000003 - epsilon_2), epsilon_8),
+        spring_6 * mul_add(L::splat(0.00028240000000000003), v_epsilon, omega_1),
+        mul_sub(
+            L::splat(0.04),
+            beta_8 * (L::splat(-0.00028240000000000003) - epsilon_2),
+            epsilon_8,
+        ),
     );
 }
 
@@ -241,40 +278,158 @@ pub fn evaluate_with_matrix(
 /// Torques: `motor` (squeezer.hdl:77).
 ///
 /// 48 operations: 9 sums, 12 products, 12 products with sum, 3 sines and cosines.
-pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
-    let q_theta = q[coordinate::THETA];
-    let q_phi = q[coordinate::PHI];
-    let q_omega = q[coordinate::OMEGA];
+#[inline(always)]
+pub fn mass_matrix<L: Lane>(q: &[L; 7], matrix: &mut [L; 49]) {
+    let q_theta = q[1];
+    let q_phi = q[4];
+    let q_omega = q[6];
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(0.0115, cos_theta, 0.007);
-    let beta_2 = 0.00365 * beta_1;
-    let beta_3 = mul_add(beta_1, beta_2, 0.0115 * sin_theta * (4.1975e-5 * sin_theta));
-    matrix[0] = 2.6716068000000005e-6 + beta_3;
-    let beta_4 = neg_mul_add(2.555e-5, beta_1, 4.41e-7 + beta_3);
+    let beta_1 = neg_mul_add(L::splat(0.0115), cos_theta, L::splat(0.007));
+    let beta_2 = L::splat(0.00365) * beta_1;
+    let beta_3 = mul_add(
+        beta_1,
+        beta_2,
+        L::splat(0.0115) * sin_theta * (L::splat(4.1975e-5) * sin_theta),
+    );
+    matrix[0] = L::splat(2.6716068000000005e-6) + beta_3;
+    let beta_4 = neg_mul_add(L::splat(2.555e-5), beta_1, L::splat(4.41e-7) + beta_3);
     matrix[1] = beta_4;
     matrix[7] = beta_4;
-    matrix[8] = neg_mul_add(0.007, -2.555e-5 + beta_2, beta_4);
-    matrix[16] = 1.6170147425e-5;
+    matrix[8] = neg_mul_add(L::splat(0.007), L::splat(-2.555e-5) + beta_2, beta_4);
+    matrix[16] = L::splat(1.6170147425e-5);
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(0.00579, sin_phi, 0.04);
-    let delta_2 = 0.00706 * delta_1;
-    let delta_3 = mul_add(delta_1, delta_2, 0.00579 * cos_phi * (4.08774e-5 * cos_phi));
-    matrix[24] = 5.5726436e-5 + delta_3;
-    let delta_4 = neg_mul_add(0.00028240000000000003, delta_1, 5.667e-7 + delta_3);
+    let delta_1 = mul_add(L::splat(0.00579), sin_phi, L::splat(0.04));
+    let delta_2 = L::splat(0.00706) * delta_1;
+    let delta_3 = mul_add(
+        delta_1,
+        delta_2,
+        L::splat(0.00579) * cos_phi * (L::splat(4.08774e-5) * cos_phi),
+    );
+    matrix[24] = L::splat(5.5726436e-5) + delta_3;
+    let delta_4 = neg_mul_add(
+        L::splat(0.00028240000000000003),
+        delta_1,
+        L::splat(5.667e-7) + delta_3,
+    );
     matrix[25] = delta_4;
     matrix[31] = delta_4;
-    matrix[32] = neg_mul_add(0.04, -0.00028240000000000003 + delta_2, delta_4);
+    matrix[32] = neg_mul_add(
+        L::splat(0.04),
+        L::splat(-0.00028240000000000003) + delta_2,
+        delta_4,
+    );
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(0.00579, sin_omega, -0.04);
-    let epsilon_2 = 0.00706 * epsilon_1;
+    let epsilon_1 = mul_add(L::splat(0.00579), sin_omega, L::splat(-0.04));
+    let epsilon_2 = L::splat(0.00706) * epsilon_1;
     let epsilon_3 = mul_add(
-        0.00579 * cos_omega,
-        4.08774e-5 * cos_omega,
+        L::splat(0.00579) * cos_omega,
+        L::splat(4.08774e-5) * cos_omega,
         epsilon_1 * epsilon_2,
     );
-    matrix[40] = 2.9085998329999998e-5 + epsilon_3;
-    let epsilon_4 = mul_add(0.00028240000000000003, epsilon_1, 5.667e-7 + epsilon_3);
+    matrix[40] = L::splat(2.9085998329999998e-5) + epsilon_3;
+    let epsilon_4 = mul_add(
+        L::splat(0.00028240000000000003),
+        epsilon_1,
+        L::splat(5.667e-7) + epsilon_3,
+    );
     matrix[41] = epsilon_4;
     matrix[47] = epsilon_4;
-    matrix[48] = neg_mul_add(0.04, -0.00028240000000000003 - epsilon_2, epsilon_4);
+    matrix[48] = neg_mul_add(
+        L::splat(0.04),
+        L::splat(-0.00028240000000000003) - epsilon_2,
+        epsilon_4,
+    );
+}
+
+/// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
+///
+/// Coordinates: `beta` (squeezer.hdl:43), `Theta` (squeezer.hdl:45), `gamma` (squeezer.hdl:51), `delta` (squeezer.hdl:55), `phi` (squeezer.hdl:57), `epsilon` (squeezer.hdl:61), `Omega` (squeezer.hdl:63).
+///
+/// Bodies: `K1` (squeezer.hdl:44), `K2` (squeezer.hdl:46), `K3` (squeezer.hdl:52), `K5` (squeezer.hdl:56), `K4` (squeezer.hdl:58), `K7` (squeezer.hdl:62), `K6` (squeezer.hdl:64).
+///
+/// Strands: `spring` (squeezer.hdl:71).
+///
+/// Torques: `motor` (squeezer.hdl:77).
+///
+/// 7 operations: 1 product, 2 products with sum, 1 root, 1 sine and cosine.
+#[inline(always)]
+pub fn lengths<L: Lane>(q: &[L; 7], lengths: &mut [L; 1]) {
+    let q_gamma = q[2];
+    let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
+    let spring_1 = neg_mul_add(
+        L::splat(2.0),
+        mul_add(
+            L::splat(0.00030014000000000017),
+            cos_gamma,
+            L::splat(0.0016917) * sin_gamma,
+        ),
+        L::splat(0.0048012554),
+    );
+    lengths[0] = sqrt(spring_1);
+}
+
+/// Where the numbers of each block stand.
+pub static PLACES: [Place<7, 1, 0>; 1] = [
+    Place {
+        coordinates: [0, 1, 2, 3, 4, 5, 6],
+        strands: [0],
+        inputs: [],
+        matrix: 0,
+    },
+];
+
+/// Constants of each block.
+pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 2]; 1] {
+    [[params[parameter::MOM], params[parameter::C0]]]
+}
+
+/// The equations as the integrator sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Equations;
+
+impl Shape<7, 49, 7, 1, 0> for Equations {
+    const CONSTANTS: usize = 2;
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate<L: Lane>(
+        at: &Local<L, 7, 1, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 7],
+        force: &mut [L; 7],
+    ) {
+        self::evaluate(&at.q, &at.v, &at.rest, constants, momentum, force);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn evaluate_with_matrix<L: Lane>(
+        at: &Local<L, 7, 1, 0>,
+        constants: &[f64],
+        momentum: &mut [L; 7],
+        force: &mut [L; 7],
+        matrix: &mut [L; 49],
+    ) {
+        self::evaluate_with_matrix(
+            &at.q,
+            &at.v,
+            at.h,
+            &at.rest,
+            constants,
+            momentum,
+            force,
+            matrix,
+        );
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn mass_matrix<L: Lane>(q: &[L; 7], constants: &[f64], matrix: &mut [L; 49]) {
+        self::mass_matrix(q, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn lengths<L: Lane>(q: &[L; 7], constants: &[f64], lengths: &mut [L; 1]) {
+        self::lengths(q, lengths);
+    }
 }

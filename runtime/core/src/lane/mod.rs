@@ -6,6 +6,7 @@
 //! can be.
 
 mod sine;
+pub(crate) mod sweep;
 #[cfg(target_arch = "x86_64")]
 mod x4;
 #[cfg(target_arch = "x86_64")]
@@ -50,6 +51,8 @@ pub trait Lane:
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self;
     /// The first `WIDTH` numbers of `from`.
     fn load(from: &[f64]) -> Self;
+    /// Writes the lanes to the first `WIDTH` numbers of `to`.
+    fn store(self, to: &mut [f64]);
     /// The number of one lane.
     fn lane(self, index: usize) -> f64;
     /// self·b + c, with one rounding where the machine can.
@@ -114,6 +117,10 @@ impl Lane for f64 {
     #[inline(always)]
     fn load(from: &[f64]) -> f64 {
         from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self;
     }
     #[inline(always)]
     fn lane(self, _index: usize) -> f64 {

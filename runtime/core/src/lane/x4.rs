@@ -95,6 +95,11 @@ impl Lane for X4 {
         X4(unsafe { _mm256_loadu_pd(four.as_ptr()) })
     }
     #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        let four = &mut to[..4];
+        unsafe { _mm256_storeu_pd(four.as_mut_ptr(), self.0) };
+    }
+    #[inline(always)]
     fn lane(self, index: usize) -> f64 {
         let mut four = [0.0; 4];
         unsafe { _mm256_storeu_pd(four.as_mut_ptr(), self.0) };

@@ -1,0 +1,238 @@
+//! One step of the midpoint variational integrator.
+//!
+//! Unknown is the increment Δq = q1 − q0, not q1: its rounding is that of the motion within a step,
+//! so that a residual far below ε·‖q‖‖M‖/h can be reached. The equations are
+//!
+//! p0 + (h/2)·f(q_mid, v_mid) − p(q_mid, v_mid) − Dh(q0)ᵀλ = 0,  h(q1) = 0,
+//!
+//! with p = ∂L/∂q̇ and f = ∂L/∂q + F; then p1 = p + (h/2)·f, which the last evaluation already
+//! holds. Newton starts from the polynomial through the last configurations whose degree has lately
+//! foretold the motion best, so that a smooth motion needs one iteration.
+
+mod attempt;
+mod lanes;
+mod report;
+
+use crate::error::StepError;
+use crate::lanes::LaneConstants;
+use crate::layout::{CoordinateKind, Layout};
+use crate::model::Model;
+use crate::predict::{Differences, Predictor};
+use crate::solve::BlockSystem;
+
+/// Gaps of constraints below this many units of rounding of the coordinates are closed.
+const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
+/// Residuals below this many units of rounding of the coordinates, seen through the Newton matrix,
+/// are converged. Below one, because the unknown is the increment: rounding of the coordinates
+/// enters through the forces alone.
+pub(crate) const FLOOR: f64 = 0.3 * f64::EPSILON;
+/// A Newton correction below this, relative to its coordinate, that hardly lowers the residual has
+/// reached the floor.
+pub(crate) const STAGNATION: f64 = 1e-12;
+/// Factors are used again as long as an iteration brings the residual below this part of it.
+pub(crate) const KEEP_FACTORS: f64 = 1e-2;
+/// A step may end with a correction that is not evaluated if it changes no impulse by more than this
+/// part of its tolerance.
+pub(crate) const LINEAR_END: f64 = 0.25;
+/// Newton iterations per guess.
+const MAX_ITERATIONS: usize = 40;
+
+/// The state of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Steps taken.
+    pub step: usize,
+    /// Time (s).
+    pub t: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Discrete momenta; zero for kinematic and driven coordinates.
+    pub p: Vec<f64>,
+    /// Rates of the step just ended; the initial ones before the first.
+    pub v: Vec<f64>,
+    /// Multipliers of the step just ended (impulses).
+    pub lambda: Vec<f64>,
+    /// Of which Newton's start is made.
+    differences: Differences,
+}
+
+impl State {
+    /// A state at time zero.
+    pub fn new(q: Vec<f64>, p: Vec<f64>, v: Vec<f64>, rows: usize) -> Self {
+        let differences = std::array::from_fn(|_| vec![0.0; q.len()]);
+        State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], differences }
+    }
+}
+
+/// What the world does during a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Step (s).
+    pub h: f64,
+    /// Time at the end of the step (s).
+    pub t1: f64,
+    /// Inputs at the middle of the step.
+    pub inputs: &'a [f64],
+    /// Natural lengths at the middle of the step (m).
+    pub rest: &'a [f64],
+    /// Coordinates at the end of the step; only those of driven coordinates are read.
+    pub driven_q: &'a [f64],
+}
+
+/// Takes steps; owns all scratch space, so that a step allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    blocks: Vec<BlockSystem>,
+    driven: Vec<bool>,
+    floor_scale: Vec<f64>,
+    /// Relative tolerance on momenta; rounding sets the floor below it.
+    pub tolerance: f64,
+    /// Newton iterations since the beginning.
+    pub iterations: usize,
+    delta: Vec<f64>,
+    trial: Vec<f64>,
+    lambda: Vec<f64>,
+    trial_lambda: Vec<f64>,
+    q1: Vec<f64>,
+    q_mid: Vec<f64>,
+    v_mid: Vec<f64>,
+    momentum: Vec<f64>,
+    force: Vec<f64>,
+    force_before: Vec<f64>,
+    matrix: Vec<f64>,
+    g0: Vec<f64>,
+    g1: Vec<f64>,
+    gap: Vec<f64>,
+    residual: Vec<f64>,
+    size: Vec<f64>,
+    scale: Vec<f64>,
+    row_scale: Vec<f64>,
+    newton: Vec<f64>,
+    newton_lambda: Vec<f64>,
+    block_step: Vec<f64>,
+    block_lambda: Vec<f64>,
+    condition: f64,
+    predictor: Predictor,
+    /// The driven coordinates by index.
+    driven_list: Vec<usize>,
+    /// Whether every block is free of constraints and of drives, so that lanes can take the step.
+    on_lanes: bool,
+    lane_constants: LaneConstants,
+}
+
+/// How an attempt from one guess ended.
+enum Attempt {
+    Converged,
+    Failed,
+    NotFinite,
+    Singular(usize),
+}
+
+impl Stepper {
+    /// For a model whose coordinates marked in `driven` (kinematic ones, and those a scenario
+    /// drives) have their path given.
+    pub fn new(layout: &Layout, driven: &[bool], tolerance: f64) -> Self {
+        let (n, m) = (layout.coordinates.len(), layout.rows.len());
+        let floor_scale: Vec<f64> = layout
+            .coordinates
+            .iter()
+            .map(|c| match c.kind {
+                CoordinateKind::Angle => 1.0,
+                CoordinateKind::Length => layout.length_scale,
+            })
+            .collect();
+        Stepper {
+            blocks: layout.blocks.iter().map(|b| BlockSystem::new(b, driven)).collect(),
+            driven: driven.to_vec(),
+            floor_scale: floor_scale.clone(),
+            tolerance,
+            iterations: 0,
+            delta: vec![0.0; n],
+            trial: vec![0.0; n],
+            lambda: vec![0.0; m],
+            trial_lambda: vec![0.0; m],
+            q1: vec![0.0; n],
+            q_mid: vec![0.0; n],
+            v_mid: vec![0.0; n],
+            momentum: vec![0.0; n],
+            force: vec![0.0; n],
+            force_before: vec![0.0; n],
+            matrix: vec![0.0; layout.matrix_size()],
+            g0: vec![0.0; layout.constraint_size()],
+            g1: vec![0.0; layout.constraint_size()],
+            gap: vec![0.0; m],
+            residual: vec![0.0; n],
+            size: vec![0.0; n],
+            scale: vec![0.0; n],
+            row_scale: vec![0.0; m],
+            newton: vec![0.0; n],
+            newton_lambda: vec![0.0; m],
+            block_step: vec![0.0; n],
+            block_lambda: vec![0.0; m],
+            condition: f64::NAN,
+            predictor: Predictor::new(&floor_scale, driven),
+            driven_list: (0..n).filter(|&c| driven[c]).collect(),
+            on_lanes: layout.rows.is_empty()
+                && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
+            lane_constants: LaneConstants::new(floor_scale),
+        }
+    }
+
+    /// Takes one step. On an error the state is untouched.
+    pub fn step<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &mut State,
+        around: &Surroundings,
+    ) -> Result<(), StepError> {
+        if self.on_lanes && self.step_on_lanes(model, state, around) {
+            return Ok(());
+        }
+        let before = self.iterations;
+        if !self.lambda.is_empty() {
+            model.constraint_jacobian(&state.q, state.t, &mut self.g0);
+        }
+        let mut last = Attempt::Failed;
+        for guess in 0..4 {
+            self.guess(guess, state, around);
+            last = self.attempt(model, state, around);
+            match last {
+                Attempt::Converged => {
+                    self.accept(state, around);
+                    return Ok(());
+                }
+                Attempt::Singular(_) if guess >= 1 => break,
+                _ => {}
+            }
+        }
+        Err(self.report(model, state, around, last, self.iterations - before))
+    }
+
+    fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
+        let rate = match number {
+            0 if state.step >= 2 => {
+                self.predictor.guess(state.step, &state.differences, &mut self.delta);
+                None
+            }
+            0 | 1 => Some(around.h),
+            2 => Some(0.0),
+            _ => Some(0.5 * around.h),
+        };
+        if let Some(rate) = rate {
+            self.delta.iter_mut().zip(&state.v).for_each(|(delta, v)| *delta = v * rate);
+        }
+        for &i in &self.driven_list {
+            self.delta[i] = around.driven_q[i] - state.q[i];
+        }
+        if number <= 2 {
+            self.lambda.copy_from_slice(&state.lambda);
+        } else {
+            self.lambda.fill(0.0);
+        }
+    }
+}
+
+/// |r| in units of its tolerance; an equation without any scale must hold exactly.
+fn ratio(r: f64, size: f64) -> f64 {
+    if r == 0.0 { 0.0 } else { r.abs() / size.max(f64::MIN_POSITIVE) }
+}

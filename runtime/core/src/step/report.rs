@@ -1,0 +1,83 @@
+//! What is said of a step that could not be taken.
+
+use super::{Attempt, State, Stepper, Surroundings, ratio};
+use crate::error::{StepError, StepErrorKind};
+use crate::model::Model;
+
+impl Stepper {
+    pub(super) fn report<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+        last: Attempt,
+        iterations: usize,
+    ) -> StepError {
+        // Evaluate where the step began, so that the numbers reported are the model's own.
+        self.guess(2, state, around);
+        self.evaluate(model, state, around, true);
+        self.set_scales(state, around);
+        let layout = model.layout();
+        let mut worst = (0.0, String::from("none"), 0.0);
+        let mut keep = |found: f64, name: &str, r: f64| {
+            // The first that is not a number stays.
+            if !(found <= worst.0) && !f64::is_nan(worst.0) {
+                worst = (found, name.to_string(), r);
+            }
+        };
+        for block in &self.blocks {
+            for &c in &block.coordinates {
+                let r = self.residual[c];
+                keep(ratio(r, self.scale[c]), &layout.coordinates[c].name, r);
+            }
+            for &row in &block.rows {
+                let gap = self.gap[row];
+                keep(ratio(gap, self.row_scale[row]), &layout.rows[row].name, gap);
+            }
+        }
+        let mut hints = Vec::new();
+        let kind = match last {
+            Attempt::Singular(coordinate) => {
+                let name = &layout.coordinates[coordinate].name;
+                worst.1 = name.clone();
+                hints.push(format!(
+                    "give `{name}` mass or stiffness: neither a mass, a strand nor a constraint \
+                     determines it here"
+                ));
+                StepErrorKind::Singular
+            }
+            _ if !worst.0.is_finite() => {
+                hints.push(
+                    "look for coincident path points or a division by zero in an expression"
+                        .to_string(),
+                );
+                StepErrorKind::NotFinite
+            }
+            _ => StepErrorKind::NoConvergence,
+        };
+        if kind == StepErrorKind::NoConvergence {
+            let fastest = crate::frequency::fastest(model, &state.q, around);
+            if let Some(omega) = fastest.filter(|omega| omega * around.h > 0.5) {
+                hints.push(format!(
+                    "a smaller step: the stiffest motion has h·ω = {:.2} (ω = {omega:.0} rad/s); \
+                     h = {:.1e} s brings it to 0.5",
+                    around.h * omega,
+                    0.5 / omega
+                ));
+            } else {
+                hints.push(format!("a smaller step than {} s", around.h));
+            }
+            hints.push("drives, inputs and motions that begin without a jump".to_string());
+        }
+        StepError {
+            kind,
+            t: state.t,
+            step: state.step + 1,
+            equation: worst.1,
+            residual: worst.2,
+            condition: self.condition,
+            iterations,
+            hints,
+        }
+    }
+}
