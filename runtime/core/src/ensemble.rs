@@ -1,9 +1,11 @@
 //! Many copies of one run, spread over parameters and starts, on threads.
 
 use crate::error::RunError;
+use crate::lanes::RUNS;
 use crate::model::Model;
 use crate::runner::{Observer, RunOptions, summary};
 use crate::simulation::{Settings, Simulation, find_param};
+use crate::together::Together;
 use crate::trajectory::{columns, push_number, row};
 use std::io::Write;
 use std::sync::Mutex;
@@ -113,14 +115,15 @@ pub(crate) fn run<M: Model + Clone + Send + Sync>(
         for _ in 0..threads {
             scope.spawn(|| {
                 loop {
-                    let instance = next.fetch_add(1, Ordering::Relaxed);
-                    if instance >= plan.instances {
+                    let first = next.fetch_add(RUNS, Ordering::Relaxed);
+                    if first >= plan.instances {
                         break;
                     }
-                    let settings = plan.settings(&options.settings, coordinates, instance);
-                    let outcome = run_one(model.clone(), &settings);
+                    let settings = (first..plan.instances.min(first + RUNS))
+                        .map(|i| plan.settings(&options.settings, coordinates, i));
+                    let outcomes = run_some(model, settings);
                     if let Ok(mut done) = done.lock() {
-                        done.push((instance, outcome));
+                        done.extend((first..).zip(outcomes));
                     }
                 }
             });
@@ -165,19 +168,47 @@ struct One {
     error: Option<RunError>,
 }
 
-fn run_one<M: Model>(model: M, settings: &Settings) -> One {
-    let mut simulation = match Simulation::new(model, settings) {
+/// Runs up to [`RUNS`] copies to their ends, together as long as none has failed.
+fn run_some<M: Model + Clone>(model: &M, settings: impl Iterator<Item = Settings>) -> Vec<One> {
+    let mut started: Vec<_> = settings.map(|s| Simulation::new(model.clone(), &s)).collect();
+    let mut errors: Vec<Option<RunError>> = started.iter().map(|_| None).collect();
+    if started.len() == RUNS && started.iter().all(Result::is_ok) {
+        let runs: Vec<Simulation<M>> = started.drain(..).flatten().collect();
+        match <[_; RUNS]>::try_from(runs) {
+            Ok(mut runs) => {
+                together(&mut runs, &mut errors);
+                started.extend(runs.map(Ok));
+            }
+            Err(runs) => started.extend(runs.into_iter().map(Ok)),
+        }
+    }
+    started.into_iter().zip(errors).map(|(run, error)| to_the_end(run, error)).collect()
+}
+
+/// Steps all runs until one of them fails.
+fn together<M: Model>(runs: &mut [Simulation<M>; RUNS], errors: &mut [Option<RunError>]) {
+    let mut together = Together::new(&mut runs[0]);
+    let steps = runs.each_ref().map(|run| run.steps).into_iter().min().unwrap_or(0);
+    for _ in 0..steps {
+        for (outcome, error) in together.step(runs).into_iter().zip(errors.iter_mut()) {
+            *error = outcome.err();
+        }
+        if errors.iter().any(Option::is_some) {
+            return;
+        }
+    }
+}
+
+/// Goes on with a copy until it ends or fails.
+fn to_the_end<M: Model>(run: Result<Simulation<M>, RunError>, mut error: Option<RunError>) -> One {
+    let mut simulation = match run {
         Ok(simulation) => simulation,
         Err(error) => {
             return One { steps: 0, iterations: 0, last: Vec::new(), error: Some(error) };
         }
     };
-    let mut error = None;
-    for _ in 0..simulation.steps {
-        if let Err(found) = simulation.step() {
-            error = Some(found);
-            break;
-        }
+    while error.is_none() && simulation.state.step < simulation.steps {
+        error = simulation.step().err();
     }
     let mut last = Vec::new();
     row(&mut simulation, &mut last);

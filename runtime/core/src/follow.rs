@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::motion::pose_at;
 
 /// The lengths in the pose that one motion has reached.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Followed {
     pose: Vec<f64>,
     next_pose: Vec<f64>,
@@ -25,40 +25,45 @@ impl Followed {
         }
     }
 
-    /// Lengths of the wanted strands at time `t` of a motion; a pose that rests is not measured
-    /// again.
-    pub(crate) fn at<M: Model>(
+    /// Goes to time `t` of a motion; whether the pose has moved, so that it is to be measured.
+    pub(crate) fn move_to<M: Model>(
         &mut self,
-        model: &mut M,
-        constants: &mut LaneConstants,
+        model: &M,
         poses: &[Vec<f64>],
         knots: &[(usize, f64)],
         t: f64,
-        wanted: &[usize],
-    ) -> &[f64] {
+    ) -> bool {
         pose_at(poses, knots, t, &mut self.next_pose);
-        if self.revision != Some(model.revision()) || self.pose != self.next_pose {
+        let rests = self.revision == Some(model.revision()) && self.pose == self.next_pose;
+        if !rests {
             std::mem::swap(&mut self.pose, &mut self.next_pose);
             self.revision = Some(model.revision());
-            self.measure(model, constants, wanted);
         }
-        &self.lengths
+        !rests
     }
 
-    fn measure<M: Model>(
-        &mut self,
-        model: &mut M,
+    /// Measures the pose of one run.
+    pub(crate) fn measure<M: Model>(&mut self, model: &mut M) {
+        model.strand_lengths(&self.pose, &mut self.lengths);
+    }
+
+    /// Measures the poses of several runs on lanes; a length that is not a number has stayed
+    /// unmeasured, since its strand spans no block or there are no lanes.
+    pub(crate) fn measure_on_lanes<M: Model, const R: usize>(
+        followed: &mut [Followed; R],
+        models: [&M; R],
         constants: &mut LaneConstants,
-        wanted: &[usize],
     ) {
-        // Strands that span no block stay unmeasured on lanes.
-        self.lengths.fill(f64::NAN);
-        let mut lengths =
-            LaneLengths::new(&self.pose, &mut self.lengths, model.revision(), constants);
-        if !M::on_lanes(&[model], &mut lengths)
-            || wanted.iter().any(|&strand| self.lengths[strand].is_nan())
-        {
-            model.strand_lengths(&self.pose, &mut self.lengths);
-        }
+        let stamps = models.map(Model::revision);
+        let mut runs = followed.each_mut().map(|Followed { pose, lengths, .. }| {
+            lengths.fill(f64::NAN);
+            (&pose[..], &mut lengths[..])
+        });
+        M::on_lanes(&models, &mut LaneLengths::new(&mut runs, &stamps, constants));
+    }
+
+    /// Lengths of strands in the measured pose.
+    pub(crate) fn lengths(&self) -> &[f64] {
+        &self.lengths
     }
 }

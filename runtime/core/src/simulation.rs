@@ -211,6 +211,27 @@ impl<M: Model> Simulation<M> {
 
     /// Inputs and natural lengths at time t.
     fn feed(&mut self, t: f64) {
+        self.feed_but_follow(t);
+        let mut constants = std::mem::take(self.stepper.lane_constants());
+        Self::follow(std::array::from_mut(self), [t], &mut constants);
+        *self.stepper.lane_constants() = constants;
+    }
+
+    /// As [`Simulation::prepare`], for several runs of one scenario.
+    pub(crate) fn prepare_together<const R: usize>(
+        runs: &mut [Self; R],
+        constants: &mut LaneConstants,
+    ) {
+        for run in runs.iter_mut() {
+            let t1 = run.next_time();
+            run.feed_but_follow(0.5 * (run.state.t + t1));
+            drives(&mut run.model, run.scenario, t1, &mut run.driven_q);
+        }
+        let t = runs.each_ref().map(|run| 0.5 * (run.state.t + run.next_time()));
+        Self::follow(runs, t, constants);
+    }
+
+    fn feed_but_follow(&mut self, t: f64) {
         if !self.inputs.is_empty() {
             self.model.inputs(t, &mut self.inputs);
             if let Some(scenario) = self.scenario {
@@ -221,14 +242,37 @@ impl<M: Model> Simulation<M> {
             return;
         }
         self.model.rests(t, &self.inputs, &mut self.rest);
-        let Some(scenario) = self.scenario else { return };
-        let follows = &self.layout.scenarios[scenario].follow;
-        for (follow, followed) in follows.iter().zip(&mut self.followed) {
-            let (knots, constants) = (&self.motions[follow.motion], self.stepper.lane_constants());
-            let lengths =
-                followed.at(&mut self.model, constants, &self.poses, knots, t, &follow.strands);
-            for &strand in &follow.strands {
-                self.rest[strand] = lengths[strand];
+    }
+
+    /// Natural lengths of several runs of one scenario that follow motions.
+    fn follow<const R: usize>(runs: &mut [Self; R], t: [f64; R], constants: &mut LaneConstants) {
+        let Some(scenario) = runs[0].scenario else { return };
+        let layout = Arc::clone(&runs[0].layout);
+        for (index, follow) in layout.scenarios[scenario].follow.iter().enumerate() {
+            let mut times = t.iter();
+            let mut moved = false;
+            for run in runs.iter_mut() {
+                let (knots, t) = (&run.motions[follow.motion], times.next().copied());
+                let followed = &mut run.followed[index];
+                moved |= followed.move_to(&run.model, &run.poses, knots, t.unwrap_or(0.0));
+            }
+            if moved {
+                let mut followed =
+                    runs.each_mut().map(|run| std::mem::take(&mut run.followed[index]));
+                let models = runs.each_ref().map(|run| &run.model);
+                Followed::measure_on_lanes(&mut followed, models, constants);
+                for (run, followed) in runs.iter_mut().zip(followed) {
+                    run.followed[index] = followed;
+                }
+            }
+            for run in runs.iter_mut() {
+                let followed = &mut run.followed[index];
+                if follow.strands.iter().any(|&strand| followed.lengths()[strand].is_nan()) {
+                    followed.measure(&mut run.model);
+                }
+                for &strand in &follow.strands {
+                    run.rest[strand] = followed.lengths()[strand];
+                }
             }
         }
     }

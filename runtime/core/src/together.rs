@@ -23,9 +23,7 @@ impl Together {
     /// Takes one step of every run. Where lanes cannot, runs step one by one; a run that fails is
     /// left as it was, and the others have stepped.
     pub fn step<M: Model>(&mut self, runs: &mut [Simulation<M>; RUNS]) -> Outcomes {
-        for run in runs.iter_mut() {
-            run.prepare();
-        }
+        Simulation::prepare_together(runs, &mut self.constants);
         if !runs.iter().all(|run| run.is_on_lanes()) {
             return runs.each_mut().map(Simulation::finish_alone);
         }

@@ -5,26 +5,27 @@ use crate::lane::{Lane, Work, call};
 use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
 
-/// Lengths of the strands of one run.
-pub(crate) struct LaneLengths<'b> {
-    q: &'b [f64],
-    lengths: &'b mut [f64],
+/// Coordinates of a run, and the lengths of its strands to be.
+pub(crate) type Measured<'a> = (&'a [f64], &'a mut [f64]);
+
+/// Lengths of the strands of some runs.
+pub(crate) struct LaneLengths<'a, 'b> {
+    runs: &'b mut [Measured<'a>],
     schedule: Schedule<'b>,
 }
 
-impl<'b> LaneLengths<'b> {
-    /// At coordinates `q`, of a run whose parameters bear the given stamp.
+impl<'a, 'b> LaneLengths<'a, 'b> {
+    /// Of runs whose parameters bear the given stamps.
     pub(crate) fn new(
-        q: &'b [f64],
-        lengths: &'b mut [f64],
-        revision: u64,
+        runs: &'b mut [Measured<'a>],
+        revisions: &[u64],
         constants: &'b mut LaneConstants,
     ) -> Self {
-        LaneLengths { q, lengths, schedule: Schedule::new(&[revision], constants) }
+        LaneLengths { runs, schedule: Schedule::new(revisions, constants) }
     }
 }
 
-impl LaneVisitor for LaneLengths<'_> {
+impl LaneVisitor for LaneLengths<'_, '_> {
     #[inline]
     fn blocks<
         'c,
@@ -39,15 +40,14 @@ impl LaneVisitor for LaneLengths<'_> {
         places: &[Place<Q, S, U>],
         constants: impl Fn(usize) -> &'c [f64],
     ) {
-        let (q, lengths) = (self.q, &mut *self.lengths);
+        let runs = &mut *self.runs;
         self.schedule.vectors::<Sh, N, M, Q, S, U>(
-            1,
+            runs.len(),
             places,
             constants,
             |jobs, used, constants| {
                 call(LengthVector::<Sh, N, M, Q, S, U> {
-                    q,
-                    lengths,
+                    runs,
                     places,
                     jobs,
                     used,
@@ -66,6 +66,7 @@ impl LaneVisitor for LaneLengths<'_> {
 /// Lengths in one vector.
 struct LengthVector<
     'v,
+    'a,
     Sh,
     const N: usize,
     const M: usize,
@@ -73,8 +74,7 @@ struct LengthVector<
     const S: usize,
     const U: usize,
 > {
-    q: &'v [f64],
-    lengths: &'v mut [f64],
+    runs: &'v mut [Measured<'a>],
     places: &'v [Place<Q, S, U>],
     jobs: &'v Jobs,
     used: usize,
@@ -89,18 +89,22 @@ impl<
     const Q: usize,
     const S: usize,
     const U: usize,
-> Work for LengthVector<'_, Sh, N, M, Q, S, U>
+> Work for LengthVector<'_, '_, Sh, N, M, Q, S, U>
 {
     #[inline(always)]
     fn run<L: Lane>(self) {
         let (mut q, mut lengths) = ([L::splat(0.0); Q], [L::splat(0.0); S]);
+        let lanes = self.jobs.map(|(run, block)| (self.runs[run].0, &self.places[block]));
         for i in 0..Q {
-            q[i] = L::from_lanes(|lane| self.q[self.places[self.jobs[lane].1].coordinates[i]]);
+            q[i] = L::from_lanes(|lane| {
+                let (q, place) = lanes[lane];
+                q[place.coordinates[i]]
+            });
         }
         Sh::lengths(&q, self.constants, &mut lengths);
-        for (lane, &(_, block)) in self.jobs[..self.used].iter().enumerate() {
+        for (lane, &(run, block)) in self.jobs[..self.used].iter().enumerate() {
             for (i, &strand) in self.places[block].strands.iter().enumerate() {
-                self.lengths[strand] = lengths[i].lane(lane);
+                self.runs[run].1[strand] = lengths[i].lane(lane);
             }
         }
     }
