@@ -39,6 +39,15 @@ enum Method {
     Whole,
 }
 
+/// An entry of the constraint Jacobian that is not zero by structure.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// Free coordinate, counted in the block.
+    pub(crate) column: usize,
+    /// Where it stands in the packed Jacobian.
+    pub(crate) slot: usize,
+}
+
 /// One block's system, with the coordinates that are free in this run.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockSystem {
@@ -49,6 +58,11 @@ pub(crate) struct BlockSystem {
     /// Where each free coordinate's matrix entries stand: positions local to the packed block.
     local: Vec<usize>,
     width: usize,
+    /// Entries of each row of the constraint Jacobian.
+    entries: Vec<Vec<Entry>>,
+    /// Free coordinates that the Newton matrix couples to each, itself among them, and where the
+    /// entries stand in the packed matrix.
+    neighbours: Vec<Vec<Entry>>,
     matrix_offset: usize,
     constraint_offset: usize,
     parts: Vec<Part>,
@@ -82,16 +96,34 @@ impl BlockSystem {
             local.push(position);
         }
         let (n, m) = (coordinates.len(), block.rows.len());
-        let parts = block
+        let members: Vec<Vec<usize>> = block
             .parts
             .iter()
             .map(|part| part.iter().filter_map(|&p| free_of_local[p]).collect::<Vec<_>>())
             .filter(|members| !members.is_empty())
+            .collect();
+        let width = block.coordinates.len();
+        let mut neighbours = vec![Vec::new(); n];
+        for part in &members {
+            for &i in part {
+                let slot = |k: usize| block.matrix_offset + local[i] * width + local[k];
+                neighbours[i] = part.iter().map(|&k| Entry { column: k, slot: slot(k) }).collect();
+            }
+        }
+        // Until the structure has been seen, every entry counts.
+        let entries = (0..m)
+            .map(|row| {
+                let slot = |k: usize| block.constraint_offset + row * width + local[k];
+                (0..n).map(|k| Entry { column: k, slot: slot(k) }).collect()
+            })
+            .collect();
+        let parts = members
+            .into_iter()
             .map(|members| {
                 let size = members.len();
                 Part {
                     members,
-                    rows: Vec::with_capacity(m),
+                    rows: (0..m).collect(),
                     lu: vec![0.0; size * size],
                     order: vec![0; size],
                     x: vec![0.0; size * m],
@@ -102,7 +134,9 @@ impl BlockSystem {
             coordinates,
             rows: block.rows.clone(),
             local,
-            width: block.coordinates.len(),
+            width,
+            entries,
+            neighbours,
             matrix_offset: block.matrix_offset,
             constraint_offset: block.constraint_offset,
             parts,
@@ -124,17 +158,45 @@ impl BlockSystem {
         matrix[self.matrix_offset + self.local[i] * self.width + self.local[j]]
     }
 
-    /// Row i of the packed matrix, over all the block's coordinates.
+    /// Entries of row i of the Newton matrix that are not zero by structure.
     #[inline]
-    pub(crate) fn matrix_row<'a>(&self, matrix: &'a [f64], i: usize) -> &'a [f64] {
-        let first = self.matrix_offset + self.local[i] * self.width;
-        &matrix[first..first + self.width]
+    pub(crate) fn neighbours(&self, i: usize) -> &[Entry] {
+        &self.neighbours[i]
     }
 
-    /// Position in the packed block of a free coordinate.
+    /// Entries of a constraint row that are not zero by structure.
     #[inline]
-    pub(crate) fn position(&self, i: usize) -> usize {
-        self.local[i]
+    pub(crate) fn entries(&self, row: usize) -> &[Entry] {
+        &self.entries[row]
+    }
+
+    /// Learns which entries of the constraint Jacobian are zero by structure, from one that was
+    /// filled with what is not a number before it was written.
+    pub(crate) fn see_structure(&mut self, jacobian: &[f64]) {
+        for entries in &mut self.entries {
+            entries.retain(|entry| !jacobian[entry.slot].is_nan());
+        }
+        for part in &mut self.parts {
+            let touches = |row: &usize| {
+                self.entries[*row].iter().any(|entry| part.members.contains(&entry.column))
+            };
+            part.rows = (0..self.rows.len()).filter(touches).collect();
+        }
+    }
+
+    /// Adds Gᵀλ to `forces`, which counts free coordinates; λ by the model's rows.
+    pub(crate) fn add_constraint_forces(
+        &self,
+        jacobian: &[f64],
+        lambda: &[f64],
+        mut add: impl FnMut(usize, f64),
+    ) {
+        for (entries, &row) in self.entries.iter().zip(&self.rows) {
+            let lambda = lambda[row];
+            for entry in entries {
+                add(entry.column, jacobian[entry.slot] * lambda);
+            }
+        }
     }
 
     /// Entry (row, j) of the packed constraint Jacobian, row local, j counting free coordinates.
@@ -151,9 +213,9 @@ impl BlockSystem {
         g1: &[f64],
     ) -> Result<Pivots, Singular> {
         let (n, m) = (self.coordinates.len(), self.rows.len());
-        for row in 0..m {
-            for k in 0..n {
-                self.g1[row * n + k] = self.constraint_entry(g1, row, k);
+        for (row, entries) in self.entries.iter().enumerate() {
+            for entry in entries {
+                self.g1[row * n + entry.column] = g1[entry.slot];
             }
         }
         self.schur.fill(0.0);
@@ -187,27 +249,20 @@ impl BlockSystem {
             }
         }
         let pivots = lu_factor(&mut part.lu, size, &mut part.order, &mut self.scratch);
-        part.rows.clear();
         if !(pivots.smallest > SMALL_PIVOT) {
             return pivots;
         }
-        for row in 0..m {
-            let column = &mut part.x[part.rows.len() * size..(part.rows.len() + 1) * size];
-            let mut touches = false;
+        for (column, &row) in part.x.chunks_exact_mut(size).zip(&part.rows) {
             for (x, &member) in column.iter_mut().zip(&part.members) {
                 *x = self.constraint_entry(g0, row, member);
-                touches |= *x != 0.0;
             }
-            if touches {
-                lu_solve(&part.lu, size, &part.order, column, &mut self.scratch);
-                part.rows.push(row);
-            }
+            lu_solve(&part.lu, size, &part.order, column, &mut self.scratch);
         }
-        for row in 0..m {
+        for &row in &part.rows {
             let g1 = &self.g1[row * n..(row + 1) * n];
-            for (column, &global) in part.x.chunks_exact(size).zip(&part.rows) {
+            for (column, &other) in part.x.chunks_exact(size).zip(&part.rows) {
                 let sum: f64 = part.members.iter().zip(column).map(|(&k, x)| g1[k] * x).sum();
-                self.schur[row * m + global] += sum;
+                self.schur[row * m + other] += sum;
             }
         }
         pivots
@@ -270,9 +325,9 @@ impl BlockSystem {
         if m == 0 {
             return;
         }
-        for row in 0..m {
+        for (row, entries) in self.entries.iter().enumerate() {
             let g1 = &self.g1[row * n..(row + 1) * n];
-            let reached: f64 = g1.iter().zip(step.iter()).map(|(g, x)| g * x).sum();
+            let reached: f64 = entries.iter().map(|e| g1[e.column] * step[e.column]).sum();
             self.rhs[row] = -lambda[row] - reached;
         }
         if self.method == Method::Regular {

@@ -118,13 +118,11 @@ impl Stepper {
         for c in 0..self.residual.len() {
             self.residual[c] = state.p[c] + 0.5 * h * self.force[c] - self.momentum[c];
         }
-        for block in self.blocks.iter().filter(|block| !block.rows.is_empty()) {
-            for (row, &global) in block.rows.iter().enumerate() {
-                let lambda = self.lambda[global];
-                for (i, &c) in block.coordinates.iter().enumerate() {
-                    self.residual[c] -= block.constraint_entry(&self.g0, row, i) * lambda;
-                }
-            }
+        let residual = &mut self.residual;
+        for block in &self.blocks {
+            block.add_constraint_forces(&self.g0, &self.lambda, |i, force| {
+                residual[block.coordinates[i]] -= force;
+            });
         }
     }
 
@@ -138,25 +136,22 @@ impl Stepper {
             self.scale[c] = (FLOOR * state.p[c].abs()).max(self.tolerance * asked);
         }
         for block in &self.blocks {
+            let step = &mut self.block_step[..block.coordinates.len()];
+            step.fill(0.0);
+            block.add_constraint_forces(&self.g0, &self.lambda, |i, force| step[i] += force.abs());
             for (i, &c) in block.coordinates.iter().enumerate() {
-                let entries = block.matrix_row(&self.matrix, i);
-                let mut row = 0.0;
-                for (k, &other) in block.coordinates.iter().enumerate() {
-                    row += entries[block.position(k)].abs() * self.size[other];
-                }
-                for (k, &global) in block.rows.iter().enumerate() {
-                    row += (block.constraint_entry(&self.g0, k, i) * self.lambda[global]).abs();
+                let mut row = step[i];
+                for entry in block.neighbours(i) {
+                    let size = self.size[block.coordinates[entry.column]];
+                    row += self.matrix[entry.slot].abs() * size;
                 }
                 self.scale[c] = self.scale[c].max(FLOOR * row);
             }
             for (k, &row) in block.rows.iter().enumerate() {
-                self.row_scale[row] = GAP_FLOOR
-                    * block
-                        .coordinates
-                        .iter()
-                        .enumerate()
-                        .map(|(i, &c)| block.constraint_entry(&self.g1, k, i).abs() * self.size[c])
-                        .sum::<f64>();
+                let terms = block.entries(k).iter().map(|entry| {
+                    self.g1[entry.slot].abs() * self.size[block.coordinates[entry.column]]
+                });
+                self.row_scale[row] = GAP_FLOOR * terms.sum::<f64>();
             }
         }
     }
@@ -209,13 +204,11 @@ impl Stepper {
             self.v_mid[c] = self.delta[c] / h;
             self.momentum[c] = state.p[c] + 0.5 * h * self.force[c];
         }
-        for block in self.blocks.iter().filter(|block| !block.rows.is_empty()) {
-            for (row, &global) in block.rows.iter().enumerate() {
-                let lambda = self.lambda[global];
-                for (i, &c) in block.coordinates.iter().enumerate() {
-                    self.momentum[c] -= block.constraint_entry(&self.g0, row, i) * lambda;
-                }
-            }
+        let momentum = &mut self.momentum;
+        for block in &self.blocks {
+            block.add_constraint_forces(&self.g0, &self.lambda, |i, force| {
+                momentum[block.coordinates[i]] -= force;
+            });
         }
     }
 
@@ -239,14 +232,11 @@ impl Stepper {
             let (n, m) = (block.coordinates.len(), block.rows.len());
             let step = &mut self.block_step[..n];
             let lambda = &mut self.block_lambda[..m];
-            for (i, &c) in block.coordinates.iter().enumerate() {
-                // The residual at λ = 0: the solve gives the whole multiplier.
-                let mut r = self.residual[c];
-                for (row, &global) in block.rows.iter().enumerate() {
-                    r += block.constraint_entry(&self.g0, row, i) * self.lambda[global];
-                }
-                step[i] = r;
+            // The residual at λ = 0: the solve gives the whole multiplier.
+            for (r, &c) in step.iter_mut().zip(&block.coordinates) {
+                *r = self.residual[c];
             }
+            block.add_constraint_forces(&self.g0, &self.lambda, |i, force| step[i] += force);
             for (k, &row) in block.rows.iter().enumerate() {
                 lambda[k] = self.gap[row];
             }

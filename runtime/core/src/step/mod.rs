@@ -117,6 +117,7 @@ pub struct Stepper {
     driven_list: Vec<usize>,
     /// Whether every block is free of constraints and of drives, so that lanes can take the step.
     on_lanes: bool,
+    structure_seen: bool,
     lane_constants: LaneConstants,
 }
 
@@ -174,6 +175,7 @@ impl Stepper {
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
             on_lanes: layout.rows.is_empty()
                 && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
+            structure_seen: false,
             lane_constants: LaneConstants::new(floor_scale),
         }
     }
@@ -190,6 +192,7 @@ impl Stepper {
         }
         let before = self.iterations;
         if !self.lambda.is_empty() {
+            self.see_structure(model, state);
             model.constraint_jacobian(&state.q, state.t, &mut self.g0);
         }
         let mut last = Attempt::Failed;
@@ -206,6 +209,16 @@ impl Stepper {
             }
         }
         Err(self.report(model, state, around, last, self.iterations - before))
+    }
+
+    /// Before the first step: which constraints touch which coordinates.
+    fn see_structure<M: Model>(&mut self, model: &mut M, state: &State) {
+        if !self.structure_seen {
+            let mut probe = vec![f64::NAN; self.g0.len()];
+            model.constraint_jacobian(&state.q, state.t, &mut probe);
+            self.blocks.iter_mut().for_each(|block| block.see_structure(&probe));
+            self.structure_seen = true;
+        }
     }
 
     fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
