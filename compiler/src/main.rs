@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use handc::command::{self, Stage};
 use handc_core::ensemble;
-use handc_core::runner::RunOptions;
+use handc_core::runner::{RunOptions, assignment};
 use handc_core::simulation::Settings;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -145,12 +145,6 @@ enum DumpStage {
     Graph,
     /// Generated Rust
     Rust,
-}
-
-fn assignment(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("expected PARAM=VALUE")?;
-    let value = value.trim().parse().map_err(|_| format!("`{value}` is not a number"))?;
-    Ok((name.trim().to_string(), value))
 }
 
 impl Run {

@@ -37,7 +37,9 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> S
         let path = normalize_untrusted_str(sources.path(*file));
         blocks.push(format!("... and {} more in {path}", count - SHOWN_PER_FILE));
     }
-    if let Some(summary) = summary(diagnostics) {
+    // A single remark without a text to point into needs no counting.
+    let alone = matches!(diagnostics, [d] if sources.text(d.primary.span.file).is_empty());
+    if let Some(summary) = summary(diagnostics).filter(|_| !alone) {
         blocks.push(summary);
     }
     let mut text = blocks.join("\n\n");
@@ -75,7 +77,7 @@ fn group<'a>(diagnostic: &'a Diagnostic, sources: &'a SourceMap) -> Group<'a> {
             files.push(label.span.file);
         }
     }
-    for file in files {
+    for file in files.into_iter().filter(|&file| !sources.text(file).is_empty()) {
         group = group.element(snippet(diagnostic, file, sources));
     }
     if let Some(help) = &diagnostic.help {
