@@ -12,9 +12,21 @@ use std::ops::Range;
 const SHOWN_PER_FILE: usize = 50;
 
 /// Renders diagnostics one after the other, separated by blank lines, with a count at the end.
-/// At most fifty of one file are shown; how many more there are is said.
+/// At most fifty of one file are shown; how many more there are is said. Lines of the source are cut
+/// to 140 columns.
 pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> String {
+    render_within(diagnostics, sources, color, 140)
+}
+
+/// As [`render`], for a terminal of so many columns.
+pub fn render_within(
+    diagnostics: &[Diagnostic],
+    sources: &SourceMap,
+    color: bool,
+    columns: usize,
+) -> String {
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+    let renderer = renderer.term_width(columns);
     let mut shown: Vec<(FileId, usize)> = Vec::new();
     let mut blocks = Vec::new();
     for diagnostic in diagnostics {

@@ -23,8 +23,8 @@ macro_rules! sources {
 }
 
 const SOURCES: &[(&str, &str)] = sources![
-    "array" "ensemble" "error" "frequency" "layout" "lib" "linalg" "math" "model" "motion" "runner"
-    "scalar" "simulation" "solve" "start" "step" "trajectory"
+    "array" "ensemble" "error" "frequency" "layout" "lib" "linalg" "lookup" "math" "model" "motion"
+    "runner" "scalar" "simulation" "solve" "start" "step" "suggest" "trajectory"
 ];
 
 const MANIFEST: &str = "[package]

@@ -235,3 +235,42 @@ pub fn main<M: Model + Clone + Send + Sync>(model: M) -> i32 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<RunOptions, String> {
+        RunOptions::parse(text.split_whitespace().map(str::to_string))
+    }
+
+    #[test]
+    fn options_are_read() {
+        let options = parse("--every 5 --set k=1e3 --set=c=-2 --step=1e-3 --out a.csv");
+        let options = options.expect("right options");
+        assert_eq!(options.every, 5);
+        assert_eq!(options.settings.set, [("k".to_string(), 1e3), ("c".to_string(), -2.0)]);
+        assert_eq!(options.settings.step, Some(1e-3));
+        assert_eq!(options.out, Some(PathBuf::from("a.csv")));
+    }
+
+    #[test]
+    fn wrong_options_are_told() {
+        for (text, hint) in [
+            ("--every 0", "positive whole number"),
+            ("--every 2 --every 3", "`--every` is given twice"),
+            ("--evry 2", "did you mean `--every`?"),
+            ("more", "unknown option `more`"),
+            ("--set k", "PARAM=VALUE"),
+            ("--set k=nan", "finite"),
+            ("--set k=1e999", "finite"),
+            ("--step x", "needs a number"),
+            ("--out", "needs a value"),
+            ("--threads 2", "need `--instances N`"),
+            ("--instances 2 --spread k=1:inf", "`--spread` needs"),
+        ] {
+            let said = parse(text).expect_err(text);
+            assert!(said.contains(hint), "{text}: {said}");
+        }
+    }
+}
