@@ -109,13 +109,6 @@ struct Choice {
     duration: Option<f64>,
 }
 
-impl From<Choice> for Settings {
-    fn from(choice: Choice) -> Settings {
-        let Choice { scenario, set, step, duration } = choice;
-        Settings { scenario, set, step, duration, start_offset: Vec::new() }
-    }
-}
-
 #[derive(Args)]
 struct Run {
     #[command(flatten)]
@@ -149,6 +142,13 @@ enum DumpStage {
     Graph,
     /// Generated Rust
     Rust,
+}
+
+impl From<Choice> for Settings {
+    fn from(choice: Choice) -> Settings {
+        let Choice { scenario, set, step, duration } = choice;
+        Settings { scenario, set, step, duration, start_offset: Vec::new() }
+    }
 }
 
 impl Run {
