@@ -20,7 +20,7 @@ pub fn describe(model: &hir::Model, mechanism: Mechanism) -> String {
     // Writing to a string cannot fail, so results are dropped throughout.
     let _ = writeln!(text, "model {}", mechanism.name);
     for line in mechanism.doc.lines() {
-        let _ = writeln!(text, "  {line}");
+        let _ = writeln!(text, "{}", format!("  {line}").trim_end());
     }
     tree(model, &mechanism, &numbers, &mut text);
     parameters(&mechanism, &mut text);

@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use handc::command::{self, Stage};
 use handc_core::ensemble;
-use handc_core::runner::RunOptions;
+use handc_core::runner::{RunOptions, assignment};
 use handc_core::simulation::Settings;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -73,18 +73,8 @@ enum Command {
         /// Figures go to STEM.svg, STEM.png, ... [default: beside the file]
         #[arg(long, value_name = "STEM")]
         out: Option<PathBuf>,
-        /// Which scenario of a model
-        #[arg(long, value_name = "S")]
-        scenario: Option<String>,
-        /// Set a parameter of a model (SI units); may be repeated
-        #[arg(long, value_name = "PARAM=VALUE", value_parser = assignment)]
-        set: Vec<(String, f64)>,
-        /// Step instead of the scenario's
-        #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-        step: Option<f64>,
-        /// Duration instead of the scenario's
-        #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-        duration: Option<f64>,
+        #[command(flatten)]
+        choice: Choice,
     },
     /// Print the tree, coordinates, strands, masses and degrees of freedom
     Info {
@@ -102,17 +92,12 @@ struct Source {
     root: Option<PathBuf>,
 }
 
+/// What is simulated.
 #[derive(Args)]
-struct Run {
+struct Choice {
     /// Which scenario; a single one needs no name
     #[arg(long, value_name = "S")]
     scenario: Option<String>,
-    /// Write the trajectory as CSV; without it nothing is written
-    #[arg(long, value_name = "F.csv")]
-    out: Option<PathBuf>,
-    /// A row for every N-th step
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
-    every: u64,
     /// Set a parameter (SI units); may be repeated
     #[arg(long, value_name = "PARAM=VALUE", value_parser = assignment)]
     set: Vec<(String, f64)>,
@@ -122,6 +107,18 @@ struct Run {
     /// Duration instead of the scenario's
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     duration: Option<f64>,
+}
+
+#[derive(Args)]
+struct Run {
+    #[command(flatten)]
+    choice: Choice,
+    /// Write the trajectory as CSV; without it nothing is written
+    #[arg(long, value_name = "F.csv")]
+    out: Option<PathBuf>,
+    /// A row for every N-th step
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
     /// Run N copies
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     instances: Option<u64>,
@@ -147,22 +144,17 @@ enum DumpStage {
     Rust,
 }
 
-fn assignment(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("expected PARAM=VALUE")?;
-    let value = value.trim().parse().map_err(|_| format!("`{value}` is not a number"))?;
-    Ok((name.trim().to_string(), value))
+impl From<Choice> for Settings {
+    fn from(choice: Choice) -> Settings {
+        let Choice { scenario, set, step, duration } = choice;
+        Settings { scenario, set, step, duration, start_offset: Vec::new() }
+    }
 }
 
 impl Run {
     fn options(self) -> RunOptions {
         RunOptions {
-            settings: Settings {
-                scenario: self.scenario,
-                set: self.set,
-                step: self.step,
-                duration: self.duration,
-                start_offset: Vec::new(),
-            },
+            settings: self.choice.into(),
             out: self.out,
             every: self.every as usize,
             ensemble: self.instances.map(|instances| ensemble::Plan {
@@ -195,8 +187,8 @@ fn dispatch(command: Command) -> u8 {
         }
         Command::Fmt { files, check } => command::fmt::fmt(&files, check),
         Command::New { name } => command::new::new(&name),
-        Command::Plot { file, root, out, scenario, set, step, duration } => {
-            let settings = Settings { scenario, set, step, duration, start_offset: Vec::new() };
+        Command::Plot { file, root, out, choice } => {
+            let settings = choice.into();
             command::plot::plot(&command::plot::PlotOptions { file, root, out, settings })
         }
         Command::Info { source } => command::info::info(&source.file, source.root.as_deref()),

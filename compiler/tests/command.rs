@@ -39,16 +39,35 @@ fn check_tells_right_from_wrong() {
     let said = handc(&here, &["check", "wrong.hdl"]);
     assert_eq!(said.code, 1);
     assert!(said.err.contains("wrong.hdl:1:"), "{}", said.err);
-    assert_ne!(handc(&here, &["check", "missing.hdl"]).code, 0);
+    // A file of components is right by itself, but there is nothing to run.
+    here.write("parts.hdl", "component A { frame f in base; }\ncomponent B(l: Length) { }\n");
+    let said = handc(&here, &["check", "parts.hdl"]);
+    assert_eq!((said.code, said.out.as_str()), (0, "parts.hdl: 2 components, no model\n"));
+    let said = handc(&here, &["run", "parts.hdl"]);
+    assert!(said.code == 1 && said.err.contains("declares no model"), "{}", said.err);
+    here.write("broken.hdl", "component A { frame f in bse; }\n");
+    assert_eq!(handc(&here, &["check", "broken.hdl"]).code, 1);
+    // What cannot be read is told in one line.
+    for (file, why) in
+        [("missing.hdl", "no such file"), (".", "folder"), ("/dev/null", "plain file")]
+    {
+        let said = handc(&here, &["check", file]);
+        assert_eq!(said.code, 1, "{file}");
+        assert!(said.err.contains(&format!("cannot read `{file}`: ")), "{}", said.err);
+        assert!(said.err.contains(why) && said.err.lines().count() == 1, "{}", said.err);
+    }
     assert_eq!(handc(&here, &["chek"]).code, 2);
     assert_eq!(handc(&here, &["check"]).code, 2);
 }
 
 #[test]
-fn names_that_differ_by_case_are_refused() {
+fn names_may_differ_by_case_alone() {
     let here = folder("case");
-    here.write("m.hdl", &SWING.replace("joint fn", "joint Type").replace("fn", "Type"));
-    assert_eq!(handc(&here, &["check", "m.hdl"]).code, 1);
+    here.write("m.hdl", &SWING.replace(" fn", " Type"));
+    let said = handc(&here, &["run", "m.hdl", "--scenario", "one", "--out", "m.csv"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let (header, _) = table(&here.read("m.csv"));
+    assert_eq!(header, "t,type,self,Type,p.type,p.Type,lambda.like,energy,twice");
 }
 
 #[test]
@@ -102,6 +121,10 @@ fn wrong_options_are_told() {
         (&["--scenario", "three"], "`two`"),
         (&["--scenario", "one", "--set", "kk=3"], "`k`"),
         (&["--scenario", "one", "--set", "k"], "PARAM=VALUE"),
+        (&["--scenario", "one", "--set", "k=nan"], "finite"),
+        (&["--scenario", "one", "--set", "k=1e999"], "finite"),
+        (&["--scenario", "ona"], "did you mean `one`?"),
+        (&["--scenario", "one", "--instances", "3", "--spread", "k=1:inf"], "spread"),
         (&["--scenario", "one", "--set", "k=x"], "number"),
         (&["--scenario", "one", "--every", "0"], "every"),
         (&["--scenario", "one", "--step", "0"], "step"),
@@ -115,8 +138,11 @@ fn wrong_options_are_told() {
         assert_eq!(said.code, 2, "{more:?}: {}", said.err);
         assert!(said.err.contains(hint), "{more:?}: {}", said.err);
     }
-    let said = run(&["--scenario", "one", "--out", "no/such/folder/a.csv"]);
-    assert_eq!(said.code, 3, "{}", said.err);
+    for out in ["no/such/folder/a.csv", "/dev/full", "."] {
+        let said = run(&["--scenario", "one", "--out", out]);
+        assert_eq!(said.code, 3, "{}", said.err);
+        assert!(said.err.contains(&format!("cannot write `{out}`")), "{}", said.err);
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use crate::source::Span;
 use serde::Serialize;
 
-pub use crate::render::render;
+pub use crate::render::{render, render_within};
 
 /// How grave a diagnostic is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -15,10 +15,9 @@ const MAX_DEPTH: usize = 64;
 const MAX_OPERATORS: usize = 400;
 
 /// The complaint about a file over the size budget.
-pub(crate) fn too_large(file: FileId, bytes: u64) -> Diagnostic {
+pub(crate) fn too_large(span: Span, what: &str, bytes: u64) -> Diagnostic {
     let size = bytes as f64 / f64::from(1 << 20);
-    let span = Span::new(file, 0, 0);
-    Diagnostic::error("file-too-large", span, format!("the file is too large: {size:.1} MB"))
+    Diagnostic::error("file-too-large", span, format!("{what} is too large: {size:.1} MB"))
         .help("at most 4 MB are read; use components for what repeats")
 }
 

@@ -22,8 +22,11 @@ mod lex;
 mod load;
 mod parse;
 mod program;
+mod read;
 mod render;
 mod suggest;
+
+pub use read::read_text;
 
 use diagnostic::Diagnostic;
 use load::Loader;

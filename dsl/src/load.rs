@@ -4,8 +4,8 @@ use crate::ast::{Decl, DeclKind, File, Ident};
 use crate::diagnostic::Diagnostic;
 use crate::guard::{MAX_BYTES, too_large};
 use crate::parse::parse;
+use crate::read::{read, reason};
 use crate::source::{FileId, SourceMap, Span};
-use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 /// Most files of one compilation.
@@ -37,7 +37,8 @@ impl Loader {
         let mut loader = Loader::new();
         if text.len() > MAX_BYTES {
             let file = loader.sources.add(name, "");
-            loader.out.push(too_large(file, text.len() as u64));
+            let span = Span::new(file, 0, 0);
+            loader.out.push(too_large(span, &format!("`{name}`"), text.len() as u64));
             return loader;
         }
         loader.parse(name, text, PathBuf::new());
@@ -51,7 +52,7 @@ impl Loader {
         let canonical = match path.canonicalize() {
             Ok(canonical) => canonical,
             Err(error) => {
-                loader.unreadable(&shown, &format!("cannot read `{shown}`: {error}"));
+                loader.unreadable(&shown, &format!("cannot read `{shown}`: {}", reason(&error)));
                 return loader;
             }
         };
@@ -61,7 +62,8 @@ impl Loader {
             Some(Ok(root)) => loader.root = Some(root),
             Some(Err(error)) => {
                 let root = root.map(|r| r.display().to_string()).unwrap_or_default();
-                loader.unreadable(&shown, &format!("cannot read the root `{root}`: {error}"));
+                let reason = reason(&error);
+                loader.unreadable(&shown, &format!("cannot read the root `{root}`: {reason}"));
                 return loader;
             }
         }
@@ -71,7 +73,7 @@ impl Loader {
             }
             Err(problem) => {
                 let file = loader.sources.add(&*shown, "");
-                loader.out.push(problem.diagnostic(Span::new(file, 0, 0), file, &shown));
+                loader.out.push(problem.diagnostic(Span::new(file, 0, 0), &shown));
             }
         }
         loader
@@ -145,7 +147,7 @@ impl Loader {
         let canonical = match folder.join(relative).canonicalize() {
             Ok(canonical) => canonical,
             Err(error) => {
-                let message = format!("cannot read `{path}`: {error}");
+                let message = format!("cannot read `{path}`: {}", reason(&error));
                 self.out.push(Diagnostic::error("cannot-read", span, message));
                 return None;
             }
@@ -170,19 +172,13 @@ impl Loader {
             self.out.push(Diagnostic::error("too-large", span, message));
             return None;
         }
-        if !canonical.is_file() {
-            let message = format!("`{path}` is not a file");
-            self.out.push(Diagnostic::error("cannot-read", span, message));
-            return None;
-        }
         match read(&canonical) {
             Ok(text) => {
                 let shown = Path::new(name).parent().unwrap_or(Path::new("")).join(relative);
                 Some(self.parse(&shown.display().to_string(), &text, canonical))
             }
             Err(problem) => {
-                let file = self.sources.add(path, "");
-                self.out.push(problem.diagnostic(span, file, path));
+                self.out.push(problem.diagnostic(span, path));
                 None
             }
         }
@@ -219,39 +215,4 @@ fn normal(path: &Path) -> PathBuf {
         }
     }
     result
-}
-
-enum Problem {
-    TooLarge(u64),
-    NotText(usize),
-    Io(std::io::Error),
-}
-
-impl Problem {
-    fn diagnostic(&self, span: Span, file: FileId, path: &str) -> Diagnostic {
-        match self {
-            Problem::TooLarge(bytes) => Diagnostic {
-                primary: crate::diagnostic::Label { span, text: String::new() },
-                ..too_large(file, *bytes)
-            },
-            Problem::NotText(at) => {
-                let message = format!("`{path}` is not UTF-8 text (byte {at})");
-                Diagnostic::error("not-text", span, message).help("save the file as UTF-8")
-            }
-            Problem::Io(error) => {
-                Diagnostic::error("cannot-read", span, format!("cannot read `{path}`: {error}"))
-            }
-        }
-    }
-}
-
-fn read(path: &Path) -> Result<String, Problem> {
-    let file = std::fs::File::open(path).map_err(Problem::Io)?;
-    let size = file.metadata().map(|m| m.len()).unwrap_or(0);
-    let mut bytes = Vec::new();
-    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(Problem::Io)?;
-    if bytes.len() > MAX_BYTES {
-        return Err(Problem::TooLarge(size.max(bytes.len() as u64)));
-    }
-    String::from_utf8(bytes).map_err(|e| Problem::NotText(e.utf8_error().valid_up_to()))
 }

@@ -54,8 +54,12 @@ pub(crate) fn assemble<'a>(
     let silent = broken || out.iter().any(|d| d.code == "too-deep" || d.code == "too-long");
     if program.model.is_none() && !silent {
         let span = Span::new(FileId(0), 0, 0);
-        let error = Diagnostic::error("no-model", span, "this file declares no model");
-        out.push(error.help("a model is `model NAME { ... }`"));
+        let message = format!("`{}` declares no model", sources.path(FileId(0)));
+        let help = match program.components[0].declared.len() {
+            0 => "a model is `model NAME { ... }`",
+            _ => "it holds components: import it in the file of a model",
+        };
+        out.push(Diagnostic::error("no-model", span, message).help(help));
     }
     program
 }

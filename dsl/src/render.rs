@@ -12,9 +12,21 @@ use std::ops::Range;
 const SHOWN_PER_FILE: usize = 50;
 
 /// Renders diagnostics one after the other, separated by blank lines, with a count at the end.
-/// At most fifty of one file are shown; how many more there are is said.
+/// At most fifty of one file are shown; how many more there are is said. Lines of the source are cut
+/// to 140 columns.
 pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> String {
+    render_within(diagnostics, sources, color, 140)
+}
+
+/// As [`render`], for a terminal of so many columns.
+pub fn render_within(
+    diagnostics: &[Diagnostic],
+    sources: &SourceMap,
+    color: bool,
+    columns: usize,
+) -> String {
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+    let renderer = renderer.term_width(columns);
     let mut shown: Vec<(FileId, usize)> = Vec::new();
     let mut blocks = Vec::new();
     for diagnostic in diagnostics {
@@ -37,7 +49,9 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> S
         let path = normalize_untrusted_str(sources.path(*file));
         blocks.push(format!("... and {} more in {path}", count - SHOWN_PER_FILE));
     }
-    if let Some(summary) = summary(diagnostics) {
+    // A single remark without a text to point into needs no counting.
+    let alone = matches!(diagnostics, [d] if sources.text(d.primary.span.file).is_empty());
+    if let Some(summary) = summary(diagnostics).filter(|_| !alone) {
         blocks.push(summary);
     }
     let mut text = blocks.join("\n\n");
@@ -75,7 +89,7 @@ fn group<'a>(diagnostic: &'a Diagnostic, sources: &'a SourceMap) -> Group<'a> {
             files.push(label.span.file);
         }
     }
-    for file in files {
+    for file in files.into_iter().filter(|&file| !sources.text(file).is_empty()) {
         group = group.element(snippet(diagnostic, file, sources));
     }
     if let Some(help) = &diagnostic.help {

@@ -148,6 +148,12 @@ fn chains_and_explosions_are_bounded() {
         })
         .collect();
     survives(&format!("{twice} component C40 {{ }} model m {{ place C0() as a in world; }}"));
+    // Every constant of an open argument doubles.
+    let constants: String = (0..60).map(|i| format!("const c{} = c{i} + c{i};\n", i + 1)).collect();
+    survives(&format!(
+        "component C(x: Length) {{ const c0 = x; {constants} frame f in base at (c60, 0, 0); }} \
+         model m {{ param p = 1 m; place C(x = p) as c in world; }}"
+    ));
     // Every argument doubles.
     let doubled: String = (0..60)
         .map(|i| {

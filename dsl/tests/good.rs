@@ -208,6 +208,35 @@ fn components_keep_parameters_symbolic() {
 }
 
 #[test]
+fn a_constant_of_an_open_argument_is_open() {
+    let model = good(
+        "component Link(length: Length) {\n\
+             const half = length / 2; const v = (half, 0, length);\n\
+             frame tip in base at v;\n\
+         }\n\
+         component Idle(length: Length) { const twice = 2 * length; }\n\
+         model m { param size = 4 cm; place Link(length = size) as one in world;\n\
+             place Link(length = 2 * one.half) as two in world;\n\
+             place Link(length = 2 cm) as three in world; }",
+    );
+    let at = |name: &str| frame(&model, name).placement.at.clone();
+    assert!(matches!(at("one.tip")[0].kind, ExprKind::Binary(..)));
+    assert!(matches!(at("two.tip")[2].kind, ExprKind::Binary(..)));
+    assert_eq!(values(&at("three.tip")), [0.01, 0.0, 0.02]);
+}
+
+#[test]
+fn names_may_differ_by_case_and_by_dots_alone() {
+    let model = good(
+        "component D { joint mcp: revolute(z) in base; }\n\
+         model m { param k = 1; param K = 2; place D() as index in world; place D() as Index in world;\n\
+             frame index_mcp in world; }",
+    );
+    assert_eq!(names(model.params.iter().map(|p| &p.name)), ["k", "K"]);
+    assert_eq!(names(model.joints.iter().map(|j| &j.name)), ["index.mcp", "Index.mcp"]);
+}
+
+#[test]
 fn zero_needs_no_unit() {
     model(
         "param a = 0; joint j: prismatic(x) in world at (0, 0, 0) { start = 0; damping = 0; limits = (0, 3 mm); }\n\

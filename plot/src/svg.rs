@@ -40,14 +40,24 @@ impl Svg {
         }
     }
 
+    /// A polyline as steps from point to point, each rounded so that errors do not add up.
     fn path(&mut self, points: &[Place]) {
-        for (i, [x, y]) in points.iter().enumerate() {
-            let letter = match i {
-                0 => "M",
-                1 => "L",
-                _ => " ",
-            };
-            let _ = write!(self.text, "{letter}{} {}", number(*x), number(*y));
+        let mut last = [0.0; 2];
+        for (i, point) in points.iter().enumerate() {
+            let place = point.map(|x| (x * STEPS).round());
+            let [dx, dy] = [0, 1].map(|k| step(place[k] - last[k]));
+            match i {
+                0 => self.text.push('M'),
+                1 => self.text.push('l'),
+                _ if dx.starts_with('-') => {}
+                _ => self.text.push(' '),
+            }
+            self.text.push_str(&dx);
+            if !dy.starts_with('-') {
+                self.text.push(' ');
+            }
+            self.text.push_str(&dy);
+            last = place;
         }
     }
 }
@@ -108,6 +118,18 @@ impl Canvas for Svg {
     }
 }
 
+/// Steps of a polyline in one point of paper.
+const STEPS: f64 = 10.0;
+
+/// A number of steps in points, as short as SVG allows.
+fn step(count: f64) -> String {
+    let text = number(count / STEPS);
+    match text.strip_prefix("0.") {
+        Some(rest) => format!(".{rest}"),
+        None => text.replacen("-0.", "-.", 1),
+    }
+}
+
 /// A coordinate with two decimals at most.
 fn number(value: f64) -> String {
     let text = format!("{value:.2}");
@@ -145,6 +167,19 @@ mod tests {
         assert_eq!(number(-0.001), "0");
         assert_eq!(number(12.345), "12.35");
         assert_eq!(number(100.0), "100");
+    }
+
+    #[test]
+    fn polylines_are_short_and_do_not_drift() {
+        let mut svg = Svg::new([10.0, 10.0], "line");
+        let points: Vec<Place> = (0..101).map(|i| [f64::from(i) * 0.44, 1.0]).collect();
+        svg.line(&points, &Stroke::solid([0, 0, 0], 1.0));
+        let text = svg.finish();
+        let path = text.split('"').find(|part| part.starts_with('M')).unwrap_or_default();
+        assert!(path.starts_with("M0 1l.4 0 .5 0 .4 0"), "{path}");
+        let steps = path.split(['l', ' ']).skip(2).step_by(2);
+        let end: f64 = steps.filter_map(|x| x.parse::<f64>().ok()).sum();
+        assert!((end - 44.0).abs() < 1e-9, "{end}");
     }
 
     #[test]

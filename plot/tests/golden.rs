@@ -5,14 +5,14 @@ use handc_plot::timeplot::energy;
 use handc_plot::{Curve, Picture, Quantity, TimePlot, Unit, table};
 use std::path::Path;
 
-/// Compares with a file in `tests/golden`; `UPDATE=1` rewrites it.
+/// Compares with a file in `tests/golden`; `HANDC_UPDATE=1` rewrites it.
 fn check(name: &str, text: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    if std::env::var_os("UPDATE").is_some() {
+    if std::env::var_os("HANDC_UPDATE").is_some() {
         std::fs::write(&path, text).expect("the golden file is written");
     }
     let expected = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(text == expected, "{} differs; UPDATE=1 rewrites it", path.display());
+    assert!(text == expected, "{} differs; HANDC_UPDATE=1 rewrites it", path.display());
 }
 
 fn curve(name: &str, values: &[f64]) -> Curve {

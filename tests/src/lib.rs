@@ -3,6 +3,7 @@
 pub mod battery;
 pub mod chance;
 pub mod compare;
+pub mod expected;
 pub mod load;
 pub mod neutral;
 pub mod probe;

@@ -178,11 +178,22 @@ fn commands() -> BTreeMap<String, BTreeSet<String>> {
     let mut commands = BTreeMap::new();
     for name in files {
         let variant = format!("{}{}", name[..1].to_uppercase(), &name[1..]);
-        let (own, flattened) =
-            groups.get(&variant).unwrap_or_else(|| panic!("no `{name}`")).clone();
-        let more = flattened.iter().filter(|kind| **kind != variant || name == "run");
-        let shared = more.filter_map(|kind| groups.get(kind)).flat_map(|group| group.0.clone());
-        commands.insert(name.to_string(), own.into_iter().chain(shared).collect());
+        assert!(groups.contains_key(&variant), "no `{name}`");
+        // Its own options and those of the groups in it, and of the groups in these.
+        let mut seen = vec![variant];
+        let mut all = BTreeSet::new();
+        let mut next = 0;
+        while let Some(kind) = seen.get(next).cloned() {
+            next += 1;
+            let Some((options, flattened)) = groups.get(&kind) else { continue };
+            all.extend(options.iter().cloned());
+            for inner in flattened {
+                if !seen.contains(inner) {
+                    seen.push(inner.clone());
+                }
+            }
+        }
+        commands.insert(name.to_string(), all);
     }
     commands
 }

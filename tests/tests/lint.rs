@@ -4,6 +4,7 @@
 use handc::lint::lint;
 use handc::lower::lower;
 use handc_dsl::check_file;
+use handc_tests::expected::expected;
 use handc_tests::load::{models, said};
 use std::path::Path;
 
@@ -19,29 +20,19 @@ fn shown(path: &Path) -> String {
 }
 
 /// Checks one case; answers what is wrong.
-fn check(path: &Path, update: bool) -> Result<(), String> {
+fn check(path: &Path) -> Result<(), String> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let found = shown(path);
     if found.is_empty() != name.ends_with("_is_fine") {
         return Err(format!("{name}: said is\n{found}"));
     }
-    let expected_path = path.with_extension("stderr");
-    if update {
-        return std::fs::write(&expected_path, found).map_err(|e| format!("{name}: {e}"));
-    }
-    let expected = std::fs::read_to_string(&expected_path)
-        .map_err(|error| format!("{}: {error}", expected_path.display()))?;
-    match expected == found {
-        true => Ok(()),
-        false => Err(format!("{name}: expected\n{expected}\nfound\n{found}")),
-    }
+    expected(&path.with_extension("stderr"), &found)
 }
 
 #[test]
 fn every_remark_is_made() {
-    let update = std::env::var_os("HANDC_UPDATE").is_some();
     let cases = models("tests/lint");
     assert!(cases.len() >= 12, "only {} cases", cases.len());
-    let wrong: Vec<String> = cases.iter().filter_map(|c| check(c, update).err()).collect();
+    let wrong: Vec<String> = cases.iter().filter_map(|c| check(c).err()).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }

@@ -7,10 +7,10 @@ use std::path::PathBuf;
 pub fn fmt(files: &[PathBuf], check: bool) -> u8 {
     let mut code = 0;
     for file in files {
-        let text = match std::fs::read_to_string(file) {
+        let text = match handc_dsl::read_text(file) {
             Ok(text) => text,
-            Err(error) => {
-                eprintln!("error: cannot read `{}`: {error}", file.display());
+            Err(message) => {
+                eprintln!("error: {message}");
                 code = code.max(2);
                 continue;
             }

@@ -12,10 +12,9 @@ pub mod plot;
 pub mod run;
 
 use crate::lower::lower;
-use handc_dsl::diagnostic::{Diagnostic, Severity, render};
+use handc_dsl::diagnostic::{Diagnostic, Severity, render, render_within};
 use handc_dsl::{Checked, check_file};
 use handc_runtime::mechanism::Mechanism;
-use std::io::IsTerminal;
 use std::path::Path;
 
 /// Stages of the compiler that can be printed.
@@ -63,8 +62,16 @@ pub(crate) fn report(checked: &Checked) {
     if checked.diagnostics.is_empty() {
         return;
     }
-    let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    eprint!("{}", render(&checked.diagnostics, &checked.sources, color));
+    let terminal = console::Term::stderr();
+    let text = match terminal.size_checked() {
+        Some((_, columns)) if terminal.is_term() => {
+            let color = std::env::var_os("NO_COLOR").is_none();
+            let columns = usize::from(columns).clamp(40, 140);
+            render_within(&checked.diagnostics, &checked.sources, color, columns)
+        }
+        _ => render(&checked.diagnostics, &checked.sources, false),
+    };
+    eprint!("{text}");
 }
 
 /// `1 error`, `2 errors`.

@@ -80,6 +80,28 @@ fn offender(expr: &Expr, may: May) -> Option<(Span, &'static str)> {
     }
 }
 
+/// Whether all that keeps an expression from being a constant are parameters handed in from outside
+/// of `text`, as arguments of a component.
+pub(super) fn through_arguments(expr: &Expr, text: Span) -> bool {
+    let inside =
+        |span: Span| span.file == text.file && text.start <= span.start && span.end <= text.end;
+    offender(expr, May::PARAMS).is_none() && !reads_param(expr, &inside)
+}
+
+/// Whether an expression reads a parameter at a place for which `here` holds.
+fn reads_param(expr: &Expr, here: &impl Fn(Span) -> bool) -> bool {
+    match &expr.kind {
+        ExprKind::Param(_) => here(expr.span),
+        ExprKind::Neg(inner) => reads_param(inner, here),
+        ExprKind::Binary(_, left, right) => reads_param(left, here) || reads_param(right, here),
+        ExprKind::Call(_, arguments) => arguments.iter().any(|a| reads_param(a, here)),
+        ExprKind::If { left, right, then, otherwise, .. } => {
+            [left, right, then, otherwise].iter().any(|e| reads_param(e, here))
+        }
+        _ => false,
+    }
+}
+
 impl Checker<'_> {
     /// Complains if an expression depends on what it may not.
     pub(super) fn depends(&mut self, expr: &Expr, may: May, what: &str) -> Option<()> {

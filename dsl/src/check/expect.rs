@@ -66,7 +66,7 @@ impl<'a> Checker<'a> {
                 error = error.help(format!("write {}", written.join(" or ")));
             }
         }
-        self.report(error);
+        self.report(error.help_if(sliding_or_turning(want, found)));
         None
     }
 
@@ -204,4 +204,22 @@ pub(super) fn named_axis(expr: &ast::Expr) -> Option<[f64; 3]> {
         Ast::Paren(inner) => named_axis(inner),
         _ => None,
     }
+}
+
+/// Advice where the stiffness or damping of a length stands for that of an angle, or the other way
+/// round.
+fn sliding_or_turning(want: Dimension, found: Dimension) -> Option<String> {
+    let both = [want, found];
+    let is = |a: Dimension, b: Dimension| both == [a, b] || both == [b, a];
+    let (sliding, turning) = if is(Dimension::STIFFNESS, Dimension::ANGULAR_STIFFNESS) {
+        ("N/m", "N*m/rad")
+    } else if is(Dimension::DAMPING, Dimension::ANGULAR_DAMPING) {
+        ("N*s/m", "N*m*s/rad")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "it is `{sliding}` for a length and `{turning}` for an angle; a parameter of a component \
+         may be given by its unit: `name: {turning}`"
+    ))
 }

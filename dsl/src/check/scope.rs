@@ -48,7 +48,7 @@ pub(super) struct Scope<'a> {
 /// Names already taken. What an expression or a frame position can mean is one space; masses,
 /// loads and constraints are never mistaken for these and have spaces of their own.
 #[derive(Default)]
-pub(super) struct Taken(BTreeMap<(&'static str, String), (String, Span)>);
+pub(super) struct Taken(BTreeMap<(&'static str, String), Span>);
 
 impl<'a> Checker<'a> {
     pub(super) fn open(
@@ -213,27 +213,20 @@ impl<'a> Checker<'a> {
         Name { text, doc: decl.doc.clone(), span: decl.name.span }
     }
 
-    /// Takes a name in a space; `false`, with a diagnostic, if it or one like it is taken.
+    /// Takes a name in a space; `false`, with a diagnostic, if it is taken.
     pub(super) fn take(&mut self, space: &'static str, name: &Name) -> bool {
-        let key = (space, name.text.replace('.', "_").to_lowercase());
-        let Some((other, span)) = self.taken.0.get(&key) else {
-            self.taken.0.insert(key, (name.text.clone(), name.span));
+        let key = (space, name.text.clone());
+        let Some(&span) = self.taken.0.get(&key) else {
+            self.taken.0.insert(key, name.span);
             return true;
         };
-        let message = match *other == name.text {
-            true => format!("the name `{other}` is given twice"),
-            false => format!("the names `{other}` and `{}` differ too little", name.text),
-        };
+        let message = format!("the name `{}` is given twice", name.text);
         let mut error = Diagnostic::error("duplicate", name.span, message);
-        if *span != name.span {
-            error = error.also(*span, "first given here");
+        if span != name.span {
+            error = error.also(span, "first given here");
         }
-        if *other != name.text {
-            error = error.help("generated code writes both alike: names must differ by more than case, `.` and `_`");
-        }
-        let same = *other == name.text;
         self.report(error);
-        !same
+        false
     }
 
     fn enter_joint(

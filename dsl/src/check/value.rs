@@ -2,9 +2,8 @@
 //!
 //! They are evaluated when first needed, in any order; one that needs itself is reported.
 
-use super::depend::May;
+use super::depend::{May, through_arguments};
 use super::fold::{apply, call, holds};
-
 use super::{Checker, Named, State, Value, constant};
 use crate::diagnostic::Diagnostic;
 use crate::hir::{self, Expr, ExprKind, InputId, Name, ParamId};
@@ -14,7 +13,7 @@ use crate::source::Span;
 pub(super) const PROBE: ParamId = ParamId(u32::MAX);
 /// Its value where one is needed: nothing a model would single out.
 const PROBE_VALUE: f64 = 0.739_085_133;
-/// Most nodes of an argument, since every use repeats it.
+/// Most nodes of an argument or an open constant, since every use repeats it.
 const MAX_NODES: usize = 4000;
 
 /// A named value.
@@ -83,9 +82,11 @@ impl<'a> Checker<'a> {
                     Value::Scalar(e) => std::slice::from_ref(e),
                     Value::Vector(items) => items,
                 };
-                for e in items {
+                // An argument of a component may be open; then so is what is computed from it.
+                for e in items.iter().filter(|e| !through_arguments(e, text.span)) {
                     self.depends(e, May::CONST, "a `const`")?;
                 }
+                items.iter().try_for_each(|e| self.small(e, "constant", text.span))?;
                 Some(value)
             }
             NamedId::Param(i) => {
@@ -111,15 +112,23 @@ impl<'a> Checker<'a> {
                     Some(want) => self.fit(value, want, &what, Some(text))?,
                     None => value,
                 };
-                if nodes(&value) > MAX_NODES {
-                    let message = "this argument has grown too large";
-                    let error = Diagnostic::error("too-large", text.span, message);
-                    self.report(error.help("an argument is repeated wherever it is used"));
-                    return None;
-                }
+                self.small(&value, "argument", text.span)?;
                 Some(Value::Scalar(value))
             }
         }
+    }
+
+    /// Complains about a substituted expression that has grown too large.
+    fn small(&mut self, value: &Expr, what: &str, span: Span) -> Option<()> {
+        if nodes(value) <= MAX_NODES {
+            return Some(());
+        }
+        let error =
+            Diagnostic::error("too-large", span, format!("this {what} has grown too large"));
+        self.report(
+            error.help(format!("open values in it are repeated wherever the {what} is used")),
+        );
+        None
     }
 
     /// Value of an expression with every parameter at its default.

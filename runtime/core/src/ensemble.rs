@@ -36,7 +36,8 @@ impl Spread {
     pub fn parse(text: &str) -> Result<Self, String> {
         let wrong = || format!("`--spread` needs PARAM=LO:HI or start=SIGMA, not `{text}`");
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
-        let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
+        let number =
+            |text: &str| text.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(wrong);
         match value.split_once(':') {
             Some((low, high)) => Ok(Spread::Param {
                 name: name.trim().to_string(),
@@ -109,7 +110,7 @@ pub(crate) fn run<M: Model + Clone + Send + Sync>(
     let available = std::thread::available_parallelism().map_or(1, |n| n.get());
     let threads = plan.threads.unwrap_or(available).min(plan.instances);
     let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::with_capacity(plan.instances));
+    let done = Mutex::new(Vec::new());
     let began = Instant::now();
     std::thread::scope(|scope| {
         for _ in 0..threads {

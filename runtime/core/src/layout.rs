@@ -62,6 +62,14 @@ pub struct Block {
     pub constraint_offset: usize,
 }
 
+impl Block {
+    /// The coordinates that are not driven: position in the block, index in the model.
+    pub fn free(&self, driven: &[bool]) -> Vec<(usize, usize)> {
+        let all = self.coordinates.iter().copied().enumerate();
+        all.filter(|&(_, c)| !driven[c]).collect()
+    }
+}
+
 /// Strands that follow a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Follow {

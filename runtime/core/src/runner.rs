@@ -4,6 +4,7 @@ use crate::ensemble;
 use crate::error::RunError;
 use crate::model::Model;
 use crate::simulation::{Settings, Simulation};
+use crate::suggest::nearest;
 use crate::trajectory::Trajectory;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -42,6 +43,7 @@ impl RunOptions {
         let mut threads = None;
         let mut spread = Vec::new();
         let mut arguments = arguments.peekable();
+        let mut given: Vec<String> = Vec::new();
         while let Some(argument) = arguments.next() {
             let (name, attached) = match argument.split_once('=') {
                 Some((name, value)) if name.starts_with("--") => {
@@ -49,6 +51,10 @@ impl RunOptions {
                 }
                 _ => (argument.clone(), None),
             };
+            if given.contains(&name) && !matches!(name.as_str(), "--set" | "--spread") {
+                return Err(format!("`{name}` is given twice"));
+            }
+            given.push(name.clone());
             let mut value = || {
                 attached
                     .clone()
@@ -67,7 +73,11 @@ impl RunOptions {
                 "--instances" => instances = Some(count("--instances", &value()?)?),
                 "--threads" => threads = Some(count("--threads", &value()?)?),
                 "--spread" => spread.push(ensemble::Spread::parse(&value()?)?),
-                other => return Err(format!("unknown option `{other}`\n\n{OPTIONS}")),
+                other => {
+                    let meant = nearest(other, known_options())
+                        .map_or_else(String::new, |name| format!(": did you mean `{name}`?"));
+                    return Err(format!("unknown option `{other}`{meant}\n\n{OPTIONS}"));
+                }
             }
         }
         if let Some(instances) = instances {
@@ -83,6 +93,11 @@ fn number(name: &str, text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| format!("`{name}` needs a number, not `{text}`"))
 }
 
+/// The names in the lines of [`OPTIONS`].
+fn known_options() -> impl Iterator<Item = &'static str> {
+    OPTIONS.split_whitespace().filter(|word| word.starts_with("--"))
+}
+
 fn count(name: &str, text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(value) if value > 0 => Ok(value),
@@ -90,10 +105,15 @@ fn count(name: &str, text: &str) -> Result<usize, String> {
     }
 }
 
-fn assignment(text: &str) -> Result<(String, f64), String> {
+/// Reads `PARAM=VALUE`; the value is a finite number.
+pub fn assignment(text: &str) -> Result<(String, f64), String> {
     let (name, value) =
         text.split_once('=').ok_or_else(|| format!("`--set` needs PARAM=VALUE, not `{text}`"))?;
-    Ok((name.trim().to_string(), number("--set", value.trim())?))
+    let value = value.trim();
+    match number("--set", value)? {
+        number if number.is_finite() => Ok((name.trim().to_string(), number)),
+        _ => Err(format!("`--set` needs a finite number, not `{value}`")),
+    }
 }
 
 /// What a caller may watch and stop.
@@ -141,6 +161,9 @@ pub fn run<M: Model + Clone + Send + Sync>(
         trajectory.record(&mut simulation)?;
     }
     let steps = simulation.steps;
+    if steps == 0 {
+        observer.note("note: the duration is shorter than a step: none is taken");
+    }
     let mut wall = std::time::Duration::ZERO;
     let mut outcome = Ok(());
     let mut since = Instant::now();
@@ -209,6 +232,45 @@ pub fn main<M: Model + Clone + Send + Sync>(model: M) -> i32 {
                 eprintln!("error: {error}");
             }
             error.exit_code()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<RunOptions, String> {
+        RunOptions::parse(text.split_whitespace().map(str::to_string))
+    }
+
+    #[test]
+    fn options_are_read() {
+        let options = parse("--every 5 --set k=1e3 --set=c=-2 --step=1e-3 --out a.csv");
+        let options = options.expect("right options");
+        assert_eq!(options.every, 5);
+        assert_eq!(options.settings.set, [("k".to_string(), 1e3), ("c".to_string(), -2.0)]);
+        assert_eq!(options.settings.step, Some(1e-3));
+        assert_eq!(options.out, Some(PathBuf::from("a.csv")));
+    }
+
+    #[test]
+    fn wrong_options_are_told() {
+        for (text, hint) in [
+            ("--every 0", "positive whole number"),
+            ("--every 2 --every 3", "`--every` is given twice"),
+            ("--evry 2", "did you mean `--every`?"),
+            ("more", "unknown option `more`"),
+            ("--set k", "PARAM=VALUE"),
+            ("--set k=nan", "finite"),
+            ("--set k=1e999", "finite"),
+            ("--step x", "needs a number"),
+            ("--out", "needs a value"),
+            ("--threads 2", "need `--instances N`"),
+            ("--instances 2 --spread k=1:inf", "`--spread` needs"),
+        ] {
+            let said = parse(text).expect_err(text);
+            assert!(said.contains(hint), "{text}: {said}");
         }
     }
 }

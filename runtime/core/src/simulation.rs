@@ -4,10 +4,13 @@ use crate::error::RunError;
 use crate::follow::Followed;
 use crate::lanes::{LaneConstants, LaneRun};
 use crate::layout::Layout;
+use crate::lookup::find_scenario;
 use crate::model::{Instant, Model, ScenarioValues};
 use crate::start::{Kinetic, momentum, project};
 use crate::step::{State, Stepper, Surroundings};
 use std::sync::Arc;
+
+pub use crate::lookup::find_param;
 
 /// Relative tolerance where nothing else is asked for: below rounding, so that the floor decides.
 pub const DEFAULT_TOLERANCE: f64 = 1e-15;
@@ -328,36 +331,4 @@ fn positive(what: &str, value: Option<f64>) -> Result<f64, RunError> {
             "no {what}: give `--{what} SECONDS`, or `{what} = …;` in a scenario"
         ))),
     }
-}
-
-fn find_scenario(layout: &Layout, wanted: Option<&str>) -> Result<Option<usize>, RunError> {
-    let names = || {
-        let names: Vec<_> = layout.scenarios.iter().map(|s| format!("`{}`", s.name)).collect();
-        names.join(", ")
-    };
-    match (wanted, layout.scenarios.len()) {
-        (None, 0) => Ok(None),
-        (None, 1) => Ok(Some(0)),
-        (None, _) => Err(RunError::Usage(format!(
-            "`{}` has several scenarios: choose one with `--scenario`: {}",
-            layout.name,
-            names()
-        ))),
-        (Some(name), count) => {
-            let found = layout.scenarios.iter().position(|s| s.name == name);
-            found.map(Some).ok_or_else(|| {
-                let known = if count == 0 { "it has none".into() } else { names() };
-                RunError::Usage(format!("`{}` has no scenario `{name}`: {known}", layout.name))
-            })
-        }
-    }
-}
-
-/// Index of a parameter by name.
-pub fn find_param(layout: &Layout, name: &str) -> Result<usize, RunError> {
-    layout.params.iter().position(|p| p.name == name).ok_or_else(|| {
-        let known: Vec<_> = layout.params.iter().map(|p| format!("`{}`", p.name)).collect();
-        let known = if known.is_empty() { "it has none".into() } else { known.join(", ") };
-        RunError::Usage(format!("`{}` has no parameter `{name}`: {known}", layout.name))
-    })
 }

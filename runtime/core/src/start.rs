@@ -28,13 +28,7 @@ pub fn project<M: Model>(
         model.constraint_jacobian(q, 0.0, &mut jacobian);
         let mut change: f64 = 0.0;
         for block in &layout.blocks {
-            let free: Vec<(usize, usize)> = block
-                .coordinates
-                .iter()
-                .copied()
-                .enumerate()
-                .filter(|&(_, c)| !driven[c])
-                .collect();
+            let free = block.free(driven);
             let rows = block.rows.len();
             let width = block.coordinates.len();
             let entry =
@@ -136,13 +130,7 @@ impl Kinetic {
         }
         let mut energy = 0.0;
         for block in &layout.blocks {
-            let free: Vec<(usize, usize)> = block
-                .coordinates
-                .iter()
-                .copied()
-                .enumerate()
-                .filter(|&(_, c)| !driven[c])
-                .collect();
+            let free = block.free(driven);
             if free.iter().all(|&(_, c)| p[c] == 0.0) {
                 continue;
             }

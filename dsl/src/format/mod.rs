@@ -3,20 +3,26 @@
 //! Tokens and comments stay as they are and in their order; only the space between them changes:
 //! four spaces for each block, one statement on a line, at most one blank line in a row. A block
 //! that stood on one line stays on one, and a statement broken over lines stays broken there.
+//! Comments behind neighbouring lines that stood in one column do so again.
 //! Space can carry meaning only around units (`3 rad/s * t`), so units are found as the grammar does.
+
+mod align;
+mod units;
 
 use crate::diagnostic::Diagnostic;
 use crate::lex::{Kind, Token, lex};
 use crate::parse::{DECLARATIONS, parse};
-use crate::source::FileId;
+use crate::source::{FileId, Span};
+use align::{Remark, align};
 use std::collections::BTreeMap;
+use units::units;
 
 /// Lays out a text. A text with syntax errors is not touched: the errors come back.
 pub fn format_text(text: &str) -> Result<String, Vec<Diagnostic>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut errors = Vec::new();
     if text.len() > crate::guard::MAX_BYTES {
-        return Err(vec![crate::guard::too_large(FileId(0), text.len() as u64)]);
+        return Err(vec![crate::guard::too_large(Span::default(), "the text", text.len() as u64)]);
     }
     parse(text, FileId(0), &mut errors);
     if errors.iter().any(Diagnostic::is_error) {
@@ -46,65 +52,6 @@ struct Layout<'a> {
     inline: BTreeMap<usize, bool>,
 }
 
-/// Marks the tokens of units, as the grammar finds them.
-fn units(text: &str, tokens: &[Token]) -> Vec<bool> {
-    let mut marks = vec![false; tokens.len()];
-    let glued = |i: usize| i > 0 && i < tokens.len() && tokens[i - 1].end == tokens[i].start;
-    let word = |i: usize| tokens.get(i).map_or("", |t| t.text(text));
-    let kind = |i: usize| tokens.get(i).map(|t| t.kind);
-    let named = |i: usize| kind(i) == Some(Kind::Word) && !never_unit(word(i));
-    let mut at = 0;
-    // The parameters of a component are declared with units: `k: N*m/rad`.
-    let mut parameters = false;
-    while at < tokens.len() {
-        parameters = match word(at) {
-            "component" => true,
-            "{" | ";" => false,
-            _ => parameters,
-        };
-        if !named(at) {
-            at += 1;
-            continue;
-        }
-        let before = (0..at).rev().find(|&i| !tokens[i].is_comment());
-        let follows = before.is_some_and(|i| {
-            kind(i) == Some(Kind::Number) || word(i) == ")" || (parameters && word(i) == ":")
-        });
-        if !follows {
-            at += 1;
-            continue;
-        }
-        marks[at] = true;
-        at += 1;
-        loop {
-            if word(at) == "^" && glued(at) {
-                let minus = usize::from(word(at + 1) == "-" && glued(at + 1));
-                let power = at + 1 + minus;
-                let whole = word(power).bytes().all(|b| b.is_ascii_digit());
-                if kind(power) == Some(Kind::Number) && glued(power) && whole {
-                    marks[at..=power].fill(true);
-                    at = power + 1;
-                    continue;
-                }
-            }
-            let joins =
-                matches!(word(at), "*" | "/") && glued(at) && glued(at + 1) && named(at + 1);
-            let called = matches!(word(at + 2), "(" | ".") && glued(at + 2);
-            if !joins || called {
-                break;
-            }
-            marks[at..=at + 1].fill(true);
-            at += 2;
-        }
-    }
-    marks
-}
-
-/// Words that are never a unit.
-fn never_unit(word: &str) -> bool {
-    crate::parse::reserved(word) || matches!(word, "pi" | "with")
-}
-
 /// Finds the blocks that stand on one line.
 fn inline(text: &str, tokens: &[Token]) -> BTreeMap<usize, bool> {
     let mut result = BTreeMap::new();
@@ -128,6 +75,7 @@ impl Layout<'_> {
     fn write(&self) -> String {
         let mut out = String::with_capacity(self.text.len());
         let mut blocks: Vec<bool> = Vec::new();
+        let mut remarks: Vec<Remark> = Vec::new();
         // Whether a statement is about to begin.
         let mut fresh = true;
         for (index, token) in self.tokens.iter().enumerate() {
@@ -141,6 +89,10 @@ impl Layout<'_> {
             }
             match gap {
                 Gap::None => {}
+                Gap::Space if token.kind == Kind::Line => {
+                    remarks.push(Remark { at: out.len(), column: self.column(token.start) });
+                    out.push(' ');
+                }
                 Gap::Space => out.push(' '),
                 Gap::Line(blank) => {
                     out.push_str(if blank { "\n\n" } else { "\n" });
@@ -165,7 +117,13 @@ impl Layout<'_> {
         if !out.is_empty() {
             out.push('\n');
         }
-        out
+        align(&out, &remarks)
+    }
+
+    /// Characters between the start of the line and a place in the text.
+    fn column(&self, at: usize) -> usize {
+        let before = &self.text[..at];
+        before[before.rfind('\n').map_or(0, |i| i + 1)..].chars().count()
     }
 
     fn gap(&self, index: usize, fresh: bool, on_one_line: bool) -> Gap {
@@ -299,6 +257,14 @@ mod tests {
         check(
             "model a {\nparam a=3   rad/s*t;\nparam b = 2 m ^2; param c=-1e-5N*m*s/rad/2; frame f in world at -(1,2,3)mm rotate x -3 deg rotate (0,0,1) - 2;\n}\n",
             "model a {\n    param a = 3 rad/s * t;\n    param b = 2 m ^ 2;\n    param c = -1e-5 N*m*s/rad / 2;\n    frame f in world at -(1, 2, 3) mm rotate x -3 deg rotate (0, 0, 1) -2;\n}\n",
+        );
+    }
+
+    #[test]
+    fn comments_in_one_column_stay_in_one() {
+        check(
+            "model a {\n  const x = 1;     // one\n  const long = 12;  // two\n  param y=3   ;     // three\n  param z = 4;      // four\n\n  param w = 5;      // five\n}\n",
+            "model a {\n    const x = 1; // one\n    const long = 12; // two\n    param y = 3;     // three\n    param z = 4;     // four\n\n    param w = 5; // five\n}\n",
         );
     }
 

@@ -1,0 +1,82 @@
+//! Strands, constraints, torques and forces of a checked model.
+
+use super::{CoordinateId, Expr, FrameId, Name, Vector};
+use crate::source::Span;
+use serde::Serialize;
+
+/// A point fixed in a frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// The frame.
+    pub frame: FrameId,
+    /// Offset in the frame's axes (m).
+    pub offset: Vector,
+    /// The text of the point.
+    pub span: Span,
+}
+
+/// An elastic path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Strand {
+    /// Name.
+    pub name: Name,
+    /// Two or more points.
+    pub path: Vec<Point>,
+    /// Stiffness k of V = ½k(x−x₀)² (N/m).
+    pub stiffness: Expr,
+    /// Natural length; `None`: the length at the start, on the constraints.
+    pub rest: Option<Expr>,
+    /// The whole declaration.
+    pub span: Span,
+}
+
+/// A holonomic constraint as written.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub enum ConstraintKind {
+    /// p₁ − p₂ = 0 in world axes, one row per axis that is true in `axes` (x, y, z).
+    Coincident { first: Point, second: Point, axes: [bool; 3] },
+    /// ‖p₁ − p₂‖² − d² = 0.
+    Distance { first: Point, second: Point, distance: Expr },
+    /// (R_F n)·(p − (p_F + R_F through)) = 0.
+    OnPlane { point: Point, frame: FrameId, normal: Vector, through: Vector },
+    /// p₁ − p₂ in world axes, then x₁·y₂, y₁·z₂, z₁·x₂.
+    Weld { first: FrameId, second: FrameId },
+    /// left − right = 0.
+    Equation { left: Expr, right: Expr },
+}
+
+/// A holonomic constraint.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Constraint {
+    /// Name.
+    pub name: Name,
+    /// Its form.
+    pub kind: ConstraintKind,
+    /// The whole declaration.
+    pub span: Span,
+}
+
+/// A generalized force on one coordinate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Torque {
+    /// Name.
+    pub name: Name,
+    /// The coordinate.
+    pub coordinate: CoordinateId,
+    /// Its value (N·m or N).
+    pub value: Expr,
+}
+
+/// A force at a point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Force {
+    /// Name.
+    pub name: Name,
+    /// Where it acts.
+    pub point: Point,
+    /// Components (N) in the axes of `frame`.
+    pub value: Vector,
+    /// The frame whose axes the components refer to; `world` unless `in` says otherwise.
+    pub frame: FrameId,
+}
