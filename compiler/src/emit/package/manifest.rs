@@ -76,6 +76,7 @@ pub(super) fn library(mechanism: &Mechanism, names: &Names, modules: &[Module]) 
         // Constants of a model may come close to π, and straight-line code has its own style.
         #![allow(clippy::approx_constant, clippy::too_many_arguments, clippy::let_and_return)]
         #![allow(clippy::excessive_precision, clippy::single_match, clippy::type_complexity)]
+        #![allow(clippy::erasing_op, clippy::identity_op)]
 
         mod interface;
         mod model;
