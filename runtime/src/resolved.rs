@@ -13,8 +13,12 @@ use handc_core::scalar::Scalar;
 /// A unit axis; the coordinate axes are told apart so that rotations about them stay cheap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Axis<S> {
-    /// A coordinate axis: 0, 1 or 2.
-    Principal(usize),
+    /// (1, 0, 0).
+    X,
+    /// (0, 1, 0).
+    Y,
+    /// (0, 0, 1).
+    Z,
     /// Any unit vector.
     General(Vec3<S>),
 }
@@ -23,12 +27,11 @@ impl<S: Scalar> Axis<S> {
     /// As a vector.
     #[inline]
     pub fn vector(&self) -> Vec3<S> {
+        let (o, l) = (S::zero(), S::one());
         match *self {
-            Axis::Principal(i) => {
-                let mut v = Vec3::zero();
-                v.0[i] = S::one();
-                v
-            }
+            Axis::X => Vec3([l, o, o]),
+            Axis::Y => Vec3([o, l, o]),
+            Axis::Z => Vec3([o, o, l]),
             Axis::General(v) => v,
         }
     }
@@ -37,9 +40,9 @@ impl<S: Scalar> Axis<S> {
     pub fn cross(&self, v: Vec3<S>) -> Vec3<S> {
         let [x, y, z] = v.0;
         match *self {
-            Axis::Principal(0) => Vec3([S::zero(), -z, y]),
-            Axis::Principal(1) => Vec3([z, S::zero(), -x]),
-            Axis::Principal(_) => Vec3([-y, x, S::zero()]),
+            Axis::X => Vec3([S::zero(), -z, y]),
+            Axis::Y => Vec3([z, S::zero(), -x]),
+            Axis::Z => Vec3([-y, x, S::zero()]),
             Axis::General(a) => a.cross(v),
         }
     }
@@ -47,7 +50,9 @@ impl<S: Scalar> Axis<S> {
     #[inline]
     pub fn dot(&self, v: Vec3<S>) -> S {
         match *self {
-            Axis::Principal(i) => v.0[i],
+            Axis::X => v.0[0],
+            Axis::Y => v.0[1],
+            Axis::Z => v.0[2],
             Axis::General(a) => a.dot(v),
         }
     }
@@ -90,8 +95,24 @@ pub struct ResolvedStrand<S> {
     pub stiffness: S,
     /// Sum of the segments within one link.
     pub constant_length: S,
-    /// End points of the moving segments in their links' axes.
-    pub segments: Vec<(Vec3<S>, Vec3<S>)>,
+    /// The moving segments.
+    pub segments: Vec<ResolvedSegment<S>>,
+}
+
+/// The numbers of a moving segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ResolvedSegment<S> {
+    /// Over one hinge: d² = `constant` − 2(`cosine`·cos q + `sine`·sin q).
+    Hinge {
+        /// Share of the cosine.
+        cosine: S,
+        /// Share of the sine.
+        sine: S,
+        /// The rest.
+        constant: S,
+    },
+    /// Its end points in their links' axes.
+    Ends(Vec3<S>, Vec3<S>),
 }
 
 /// Springs, limits and damping of a coordinate.
@@ -154,7 +175,8 @@ impl<S: Scalar> Resolved<S> {
             .collect();
         resolved.lumps =
             (0..mechanism.links.len()).map(|link| resolved.lump(mechanism, link as u32)).collect();
-        resolved.strands = mechanism.strands.iter().map(|s| resolved.strand(s)).collect();
+        resolved.strands =
+            mechanism.strands.iter().map(|s| resolved.strand(mechanism, s)).collect();
         resolved.coordinates =
             mechanism.coordinates.iter().map(|c| resolved.coordinate(c)).collect();
         resolved
@@ -185,12 +207,15 @@ impl<S: Scalar> Resolved<S> {
             Motion::Prismatic { axis } => (axis, false, Some(S::one())),
             Motion::Screw { axis, pitch } => (axis, true, Some(self.number(*pitch))),
         };
-        let principal = (0..3)
-            .find(|&i| (0..3).all(|j| axis[j] == Number::Constant(if i == j { 1.0 } else { 0.0 })));
         let is_identity = parent_from_joint.rotation == NumberTransform::IDENTITY.rotation;
         let transform = self.transform(parent_from_joint);
         Joint {
-            axis: principal.map_or_else(|| Axis::General(self.vector(axis)), Axis::Principal),
+            axis: match principal_axis(axis) {
+                Some(0) => Axis::X,
+                Some(1) => Axis::Y,
+                Some(_) => Axis::Z,
+                None => Axis::General(self.vector(axis)),
+            },
             rotates,
             advance,
             rotation: (!is_identity).then_some(transform.rotation),
@@ -252,7 +277,25 @@ impl<S: Scalar> Resolved<S> {
             is_isotropic: false,
         })
     }
-    fn strand(&self, strand: &crate::mechanism::Strand) -> ResolvedStrand<S> {
+    /// A segment from `parent` on one side of a hinge to `child` on the other.
+    fn hinge(&self, joint: &Joint<S>, parent: Vec3<S>, child: Vec3<S>) -> ResolvedSegment<S> {
+        let mut a = parent - joint.origin;
+        if let Some(rotation) = joint.rotation {
+            a = rotation.transpose_mul(a);
+        }
+        let b = child;
+        let along = joint.axis.dot(a) * joint.axis.dot(b);
+        ResolvedSegment::Hinge {
+            cosine: a.dot(b) - along,
+            sine: joint.axis.dot(b.cross(a)),
+            constant: a.norm_squared() + b.norm_squared() - along.scale(2.0),
+        }
+    }
+    fn strand(
+        &self,
+        mechanism: &Mechanism,
+        strand: &crate::mechanism::Strand,
+    ) -> ResolvedStrand<S> {
         let mut constant_length = S::zero();
         let mut segments = Vec::new();
         for pair in strand.points.windows(2) {
@@ -260,7 +303,11 @@ impl<S: Scalar> Resolved<S> {
             if pair[0].link == pair[1].link {
                 constant_length += (b - a).norm_squared().sqrt();
             } else {
-                segments.push((a, b));
+                segments.push(match hinge_between(mechanism, pair[0].link, pair[1].link) {
+                    Some((link, true)) => self.hinge(&self.joints[link as usize], a, b),
+                    Some((link, false)) => self.hinge(&self.joints[link as usize], b, a),
+                    None => ResolvedSegment::Ends(a, b),
+                });
             }
         }
         ResolvedStrand { stiffness: self.number(strand.stiffness), constant_length, segments }
@@ -279,6 +326,26 @@ impl<S: Scalar> Resolved<S> {
 
 fn deviator<S: Scalar>([xx, yy, zz, xy, xz, yz]: [S; 6], isotropic: S) -> Mat3<S> {
     Mat3([[xx - isotropic, xy, xz], [xy, yy - isotropic, yz], [xz, yz, zz - isotropic]])
+}
+
+/// Which coordinate axis it is, if it is one.
+pub fn principal_axis(axis: &NumberVector) -> Option<usize> {
+    let unit = |i: usize, j: usize| Number::Constant(if i == j { 1.0 } else { 0.0 });
+    (0..3).find(|&i| (0..3).all(|j| axis[j] == unit(i, j)))
+}
+
+/// The link whose hinge alone lies between two links, and whether the first is its parent.
+pub fn hinge_between(
+    mechanism: &Mechanism,
+    first: Option<u32>,
+    second: Option<u32>,
+) -> Option<(u32, bool)> {
+    let below = |parent: Option<u32>, child: Option<u32>| {
+        let link = &mechanism.links[child? as usize];
+        (link.parent == parent && matches!(link.motion, Motion::Revolute { .. })).then_some(child?)
+    };
+    let downward = below(first, second).map(|link| (link, true));
+    downward.or_else(|| below(second, first).map(|link| (link, false)))
 }
 
 /// The points of a constraint that are given by position, for those that walk over constraints.

@@ -5,9 +5,10 @@
 //! segment, which coordinates a step couples.
 
 use crate::expression::{Function, Variable};
-use crate::mechanism::{ConstraintKind, Mechanism, Motion};
-use crate::resolved::constraint_points;
+use crate::mechanism::{ConstraintKind, Mechanism, Motion, Strand};
+use crate::resolved::{constraint_points, hinge_between};
 use handc_core::layout::Block;
+use std::ops::Range;
 
 /// A step along the path from one end of a segment to the frame in which it is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,8 +35,12 @@ pub struct SegmentPath {
     pub first: Vec<PathStep>,
     /// From the second point's link to the middle.
     pub second: Vec<PathStep>,
+    /// The link of its joint, where that is a single hinge.
+    pub hinge: Option<u32>,
     /// Positions of the joints crossed, first side then second, among the strand's coordinates.
     pub positions: Vec<usize>,
+    /// Where each pair (i, j), j ≤ i, of joints crossed stands in the strand's lower triangle.
+    pub pairs: Vec<usize>,
 }
 
 /// A strand's moving segments and the coordinates they span.
@@ -43,11 +48,13 @@ pub struct SegmentPath {
 pub struct StrandPath {
     /// Coordinates, each once, ascending.
     pub coordinates: Vec<usize>,
+    /// Where its derivatives stand among those of all strands.
+    pub span: Range<usize>,
     /// Moving segments in order.
     pub segments: Vec<SegmentPath>,
-    /// Where the entries (i, j) and (j, i), j ≤ i, of its stiffness stand in a packed matrix, row by
-    /// row of the lower triangle; `None` if a coordinate is kinematic.
-    pub slots: Vec<Option<(usize, usize)>>,
+    /// Where the entry (i, j), j ≤ i, of its stiffness stands in a packed matrix, row by row of the
+    /// lower triangle; `None` if a coordinate is kinematic.
+    pub slots: Vec<Option<usize>>,
 }
 
 /// A tree of links on the world.
@@ -131,7 +138,12 @@ impl Structure {
         };
         structure.find_trees(mechanism);
         structure.strands =
-            mechanism.strands.iter().map(|strand| structure.strand_path(strand)).collect();
+            mechanism.strands.iter().map(|s| structure.strand_path(mechanism, s)).collect();
+        let mut end = 0;
+        for path in &mut structure.strands {
+            path.span = end..end + path.coordinates.len();
+            end = path.span.end;
+        }
         structure.mark_world_links(mechanism);
         structure.find_blocks(mechanism);
         structure.find_strand_slots();
@@ -142,7 +154,7 @@ impl Structure {
         let slots_of = |path: &StrandPath| {
             let c = &path.coordinates;
             let pairs = (0..c.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-            pairs.map(|(i, j)| Some((self.slot(c[i], c[j])?, self.slot(c[j], c[i])?))).collect()
+            pairs.map(|(i, j)| self.slot(c[i], c[j])).collect()
         };
         let slots: Vec<_> = self.strands.iter().map(slots_of).collect();
         for (path, slots) in self.strands.iter_mut().zip(slots) {
@@ -232,14 +244,15 @@ impl Structure {
         slider.or(Some(anchor))
     }
 
-    fn strand_path(&self, strand: &crate::mechanism::Strand) -> StrandPath {
+    fn strand_path(&self, mechanism: &Mechanism, strand: &Strand) -> StrandPath {
         let mut coordinates = Vec::new();
         let mut segments = Vec::new();
         for pair in strand.points.windows(2) {
             if pair[0].link == pair[1].link {
                 continue;
             }
-            let path = self.segment_path(pair[0].link, pair[1].link);
+            let mut path = self.segment_path(pair[0].link, pair[1].link);
+            path.hinge = hinge_between(mechanism, pair[0].link, pair[1].link).map(|found| found.0);
             for step in path.first.iter().chain(&path.second) {
                 coordinates.push(self.coordinate_of[step.link() as usize]);
             }
@@ -256,8 +269,12 @@ impl Structure {
                     coordinates.binary_search(&self.coordinate_of[step.link() as usize]).ok()
                 })
                 .collect();
+            let p = &path.positions;
+            let pairs = (0..p.len()).flat_map(|i| (0..=i).map(move |j| (p[i], p[j])));
+            let entry = |(a, b): (usize, usize)| a.max(b) * (a.max(b) + 1) / 2 + a.min(b);
+            path.pairs = pairs.map(entry).collect();
         }
-        StrandPath { coordinates, segments, slots: Vec::new() }
+        StrandPath { coordinates, span: 0..0, segments, slots: Vec::new() }
     }
 
     /// The joints between two links, split so that both ends cross about as many.
@@ -284,7 +301,9 @@ impl Structure {
         SegmentPath {
             first: whole[..middle].to_vec(),
             second: whole[middle..].iter().rev().map(reversed).collect(),
+            hinge: None,
             positions: Vec::new(),
+            pairs: Vec::new(),
         }
     }
 

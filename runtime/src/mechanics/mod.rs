@@ -60,11 +60,41 @@ pub struct Terms<'a, S> {
 }
 
 impl<S: Scalar> Terms<'_, S> {
-    /// Adds `weight(h) · value` at (i, j), if a matrix is wanted and both coordinates are dynamic.
+    /// Adds `value` at (i, j), if a matrix is wanted and both coordinates are dynamic.
     #[inline]
     fn add(&mut self, structure: &Structure, i: usize, j: usize, value: S) {
         if let (Some((_, matrix)), Some(slot)) = (&mut self.matrix, structure.slot(i, j)) {
             matrix[slot] += value;
+        }
+    }
+    /// Adds `even + odd` at (i, j) and `even − odd` at (j, i), before [`Terms::unfold`].
+    #[inline]
+    fn add_pair(&mut self, structure: &Structure, i: usize, j: usize, even: S, odd: S) {
+        let Some((_, matrix)) = &mut self.matrix else { return };
+        let Some((lower, upper)) = structure.slot(i, j).zip(structure.slot(j, i)) else { return };
+        if lower >= upper {
+            matrix[lower] += even;
+            matrix[upper] += odd;
+        } else {
+            matrix[upper] += even;
+            matrix[lower] -= odd;
+        }
+    }
+    /// Turns even parts below the diagonals and odd parts above them into the matrix. What is even
+    /// by nature is so summed once and not twice.
+    fn unfold(&mut self, structure: &Structure) {
+        let Some((_, matrix)) = &mut self.matrix else { return };
+        for block in &structure.blocks {
+            let count = block.coordinates.len();
+            for i in 1..count {
+                for j in 0..i {
+                    let lower = block.matrix_offset + i * count + j;
+                    let upper = block.matrix_offset + j * count + i;
+                    let (even, odd) = (matrix[lower], matrix[upper]);
+                    matrix[lower] = even + odd;
+                    matrix[upper] = even - odd;
+                }
+            }
         }
     }
 }
@@ -112,6 +142,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         self.prepare(workspace, at.q);
         self.add_inertia(workspace, at.q, at.v, &mut terms);
         self.add_strands(workspace, at.q, at.rest, &mut terms);
+        terms.unfold(self.structure);
         self.add_joints(at, &mut terms);
         self.add_torques(workspace, at, &mut terms);
         self.add_forces(workspace, at, &mut terms);

@@ -1,7 +1,8 @@
 //! Strands: V = ½k(x − x₀)² over the length x of a path, its gradient and its Hessian.
 
-use super::segment::{Order, Segment};
+use super::segment::{Order, Segment, hinge_segment};
 use super::{Mechanics, Terms, Workspace};
+use crate::resolved::ResolvedSegment;
 use crate::structure::Structure;
 use handc_core::scalar::Scalar;
 
@@ -11,22 +12,21 @@ pub struct Scratch<S> {
     segment: Segment<S>,
     /// Length of every strand.
     pub(crate) lengths: Vec<S>,
-    /// Derivatives of every strand's length by the coordinates of its path.
-    pub(crate) length_dq: Vec<Vec<S>>,
+    /// Derivatives of every strand's length by the coordinates of its path, one after another
+    /// ([`StrandPath::span`](crate::structure::StrandPath)).
+    pub(crate) length_dq: Vec<S>,
+    /// Second derivatives of one strand, lower triangle.
     length_dqdq: Vec<S>,
 }
 
 impl<S: Scalar> Scratch<S> {
     pub(crate) fn new(structure: &Structure) -> Self {
+        let strands = &structure.strands;
         Scratch {
             segment: Segment::new(),
-            lengths: vec![S::zero(); structure.strands.len()],
-            length_dq: structure
-                .strands
-                .iter()
-                .map(|path| vec![S::zero(); path.coordinates.len()])
-                .collect(),
-            length_dqdq: Vec::new(),
+            lengths: vec![S::zero(); strands.len()],
+            length_dq: vec![S::zero(); strands.last().map_or(0, |path| path.span.end)],
+            length_dqdq: vec![S::zero(); strands.iter().map(|p| p.slots.len()).max().unwrap_or(0)],
         }
     }
 }
@@ -42,28 +42,23 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         let quarter = terms.matrix.as_ref().map(|(h, _)| h.scale(0.25));
         let order = if quarter.is_some() { Order::Second } else { Order::First };
-        for index in 0..self.numbers.strands.len() {
+        for (index, path) in self.structure.strands.iter().enumerate() {
             self.strand_length(workspace, q, index, order);
             let scratch = &workspace.strand;
-            let coordinates = &self.structure.strands[index].coordinates;
             let stiffness = self.numbers.strands[index].stiffness;
             let tension = stiffness * (scratch.lengths[index] - rest[index]);
-            let length_dq = &scratch.length_dq[index];
-            for (i, &row) in coordinates.iter().enumerate() {
-                terms.force[row] -= tension * length_dq[i];
+            let length_dq = &scratch.length_dq[path.span.clone()];
+            for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
+                terms.force[row] -= tension * dq;
             }
             let (Some(quarter), Some((_, matrix))) = (quarter, &mut terms.matrix) else { continue };
             let (k, f) = (stiffness * quarter, tension * quarter);
-            let count = coordinates.len();
-            let mut slots = self.structure.strands[index].slots.iter();
-            for i in 0..count {
-                let k_length_dq = k * length_dq[i];
-                for j in 0..=i {
-                    let Some(&Some((lower, upper))) = slots.next() else { continue };
-                    let value = k_length_dq * length_dq[j] + f * scratch.length_dqdq[i * count + j];
-                    matrix[lower] -= value;
-                    if i != j {
-                        matrix[upper] -= value;
+            let mut entries = path.slots.iter().zip(&scratch.length_dqdq);
+            for (i, &row_dq) in length_dq.iter().enumerate() {
+                let k_row = k * row_dq;
+                for (&column_dq, (slot, &dqdq)) in length_dq[..=i].iter().zip(&mut entries) {
+                    if let Some(slot) = *slot {
+                        matrix[slot] -= k_row * column_dq + f * dqdq;
                     }
                 }
             }
@@ -81,39 +76,42 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         let path = &self.structure.strands[index];
         let numbers = &self.numbers.strands[index];
-        let count = path.coordinates.len();
-        let scratch = &mut workspace.strand;
-        let mut length = numbers.constant_length;
-        let length_dq = &mut scratch.length_dq[index];
+        let Scratch { segment, lengths, length_dq, length_dqdq } = &mut workspace.strand;
+        let length_dq = &mut length_dq[path.span.clone()];
+        let length_dqdq = &mut length_dqdq[..path.slots.len()];
         length_dq.fill(S::zero());
         if order == Order::Second {
-            scratch.length_dqdq.clear();
-            scratch.length_dqdq.resize(count * count, S::zero());
+            length_dqdq.fill(S::zero());
         }
-        let segment = &mut scratch.segment;
-        for (segment_path, &ends) in path.segments.iter().zip(&numbers.segments) {
-            self.segment(&workspace.sin_cos, q, segment_path, ends, order, segment);
-            length += segment.length;
-            if order == Order::Length {
-                continue;
-            }
-            let crossed = segment.crossings.len();
-            for (i, a) in segment.crossings.iter().enumerate() {
-                let row = segment_path.positions[i];
-                length_dq[row] += a.length_dq;
-                if order != Order::Second {
+        let mut length = numbers.constant_length;
+        for (segment_path, resolved) in path.segments.iter().zip(&numbers.segments) {
+            let ends = match (*resolved, segment_path.hinge) {
+                (ResolvedSegment::Hinge { cosine, sine, constant }, Some(link)) => {
+                    let sin_cos = workspace.sin_cos[link as usize];
+                    let hinge = (cosine, sine, constant);
+                    let (d, dq, dqdq) = hinge_segment(hinge, sin_cos, order);
+                    length += d;
+                    if order != Order::Length {
+                        length_dq[segment_path.positions[0]] += dq;
+                    }
+                    if order == Order::Second {
+                        length_dqdq[segment_path.pairs[0]] += dqdq;
+                    }
                     continue;
                 }
-                // The lower triangle is enough, within the strand's order of coordinates.
-                for j in 0..=i {
-                    let column = segment_path.positions[j];
-                    let (row, column) = (row.max(column), row.min(column));
-                    scratch.length_dqdq[row * count + column] +=
-                        segment.length_dqdq[i * crossed + j];
-                }
+                (ResolvedSegment::Ends(first, second), _) => (first, second),
+                (ResolvedSegment::Hinge { .. }, None) => unreachable!("a hinge without a link"),
+            };
+            self.segment(&workspace.sin_cos, q, segment_path, ends, order, segment);
+            length += segment.length;
+            for (crossing, &position) in segment.crossings.iter().zip(&segment_path.positions) {
+                length_dq[position] += crossing.length_dq;
+            }
+            for (&dqdq, &pair) in segment.length_dqdq.iter().zip(&segment_path.pairs) {
+                length_dqdq[pair] += dqdq;
             }
         }
-        scratch.lengths[index] = length;
+        lengths[index] = length;
     }
 
     /// Lengths of all strands at q (m).
@@ -131,9 +129,10 @@ impl<S: Scalar> Mechanics<'_, S> {
         length_dq.fill(S::zero());
         for index in 0..self.numbers.strands.len() {
             self.strand_length(workspace, q, index, Order::First);
-            for (i, &coordinate) in self.structure.strands[index].coordinates.iter().enumerate() {
-                length_dq[index * self.structure.count + coordinate] =
-                    workspace.strand.length_dq[index][i];
+            let path = &self.structure.strands[index];
+            let found = &workspace.strand.length_dq[path.span.clone()];
+            for (&coordinate, &dq) in path.coordinates.iter().zip(found) {
+                length_dq[index * self.structure.count + coordinate] = dq;
             }
         }
     }
