@@ -7,6 +7,7 @@ use crate::expression::Variable;
 use crate::mechanism::{
     ConstraintKind, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
 };
+use crate::run::{ResolvedRun, find_runs};
 use crate::vector::{Mat3, Transform, Vec3};
 use handc_core::scalar::Scalar;
 
@@ -139,6 +140,8 @@ pub struct Resolved<S> {
     pub joints: Vec<Joint<S>>,
     /// Lumped matter of each link, if any.
     pub lumps: Vec<Option<Lump<S>>>,
+    /// Planar runs.
+    pub runs: Vec<ResolvedRun<S>>,
     /// Strands.
     pub strands: Vec<ResolvedStrand<S>>,
     /// Coordinates.
@@ -162,6 +165,7 @@ impl<S: Scalar> Resolved<S> {
             gravity: None,
             joints: Vec::new(),
             lumps: Vec::new(),
+            runs: Vec::new(),
             strands: Vec::new(),
             coordinates: Vec::new(),
         };
@@ -175,6 +179,10 @@ impl<S: Scalar> Resolved<S> {
             .collect();
         resolved.lumps =
             (0..mechanism.links.len()).map(|link| resolved.lump(mechanism, link as u32)).collect();
+        resolved.runs = find_runs(mechanism)
+            .iter()
+            .map(|run| ResolvedRun::new(run, &resolved.joints, &resolved.lumps))
+            .collect();
         resolved.strands =
             mechanism.strands.iter().map(|s| resolved.strand(mechanism, s)).collect();
         resolved.coordinates =

@@ -7,6 +7,7 @@
 use crate::expression::{Function, Variable};
 use crate::mechanism::{ConstraintKind, Mechanism, Motion, Strand};
 use crate::resolved::{constraint_points, hinge_between};
+use crate::run::find_runs;
 use handc_core::layout::Block;
 use std::ops::Range;
 
@@ -60,12 +61,25 @@ pub struct StrandPath {
 /// A tree of links on the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
-    /// Links, parents first.
+    /// Links outside runs, parents first.
     pub links: Vec<u32>,
+    /// Its runs, by number.
+    pub runs: Vec<usize>,
     /// The link in whose axes the tree's momenta are expressed; `None` is the world.
     pub hub: Option<u32>,
     /// Links from the root to the hub, hub included.
     pub trunk: Vec<u32>,
+}
+
+/// A planar run; see [`crate::run`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Links from base to tip.
+    pub links: Vec<u32>,
+    /// The link that carries it; `None` is the world.
+    pub parent: Option<u32>,
+    /// Links from the parent to the root.
+    pub ancestors: Vec<u32>,
 }
 
 /// The shape of a mechanism.
@@ -81,6 +95,8 @@ pub struct Structure {
     pub link_of: Vec<u32>,
     /// Whether the link or one below it has matter.
     pub has_mass_below: Vec<bool>,
+    /// Planar runs.
+    pub runs: Vec<Run>,
     /// Trees with matter.
     pub trees: Vec<Tree>,
     /// Paths of the strands.
@@ -107,17 +123,6 @@ impl Structure {
         for (link, &coordinate) in coordinate_of.iter().enumerate() {
             link_of[coordinate] = link as u32;
         }
-        let mut has_mass_below = vec![false; count];
-        for body in &mechanism.bodies {
-            if let Some(link) = body.link {
-                has_mass_below[link as usize] = true;
-            }
-        }
-        for link in (0..count).rev() {
-            if let (true, Some(parent)) = (has_mass_below[link], parents[link]) {
-                has_mass_below[parent as usize] = true;
-            }
-        }
         let mut first_row = vec![0];
         for constraint in &mechanism.constraints {
             first_row.push(first_row.last().unwrap_or(&0) + constraint.row_suffixes().len());
@@ -127,7 +132,8 @@ impl Structure {
             parents,
             coordinate_of,
             link_of,
-            has_mass_below,
+            has_mass_below: mass_below(mechanism),
+            runs: Vec::new(),
             trees: Vec::new(),
             strands: Vec::new(),
             world_links: vec![false; count],
@@ -136,6 +142,7 @@ impl Structure {
             row_slots: vec![None; first_row[mechanism.constraints.len()]],
             first_row,
         };
+        structure.runs = structure.find_runs(mechanism);
         structure.find_trees(mechanism);
         structure.strands =
             mechanism.strands.iter().map(|s| structure.strand_path(mechanism, s)).collect();
@@ -195,6 +202,14 @@ impl Structure {
         Some(block.constraint_offset + i * block.coordinates.len() + j)
     }
 
+    fn find_runs(&self, mechanism: &Mechanism) -> Vec<Run> {
+        let runs = find_runs(mechanism).into_iter().map(|links| {
+            let parent = self.parents[links[0] as usize];
+            Run { links, parent, ancestors: self.chain(parent) }
+        });
+        runs.collect()
+    }
+
     fn find_trees(&mut self, mechanism: &Mechanism) {
         let roots: Vec<u32> =
             (0..self.count as u32).filter(|&l| self.parents[l as usize].is_none()).collect();
@@ -202,18 +217,22 @@ impl Structure {
             if !self.has_mass_below[root as usize] {
                 continue;
             }
+            let in_tree = |link: u32| self.chain(Some(link)).contains(&root);
+            let in_run = |link: u32| self.runs.iter().any(|run| run.links.contains(&link));
             let links: Vec<u32> = (0..self.count as u32)
-                .filter(|&l| self.has_mass_below[l as usize] && self.chain(Some(l)).contains(&root))
+                .filter(|&l| self.has_mass_below[l as usize] && in_tree(l) && !in_run(l))
                 .collect();
+            let runs = (0..self.runs.len()).filter(|&run| in_tree(self.runs[run].links[0]));
+            let runs = runs.collect();
             let hub = self.hub(mechanism, root);
             let mut trunk = self.chain(hub);
             trunk.reverse();
-            self.trees.push(Tree { links, hub, trunk });
+            self.trees.push(Tree { links, runs, hub, trunk });
         }
     }
 
     /// The link whose axes make the tree's momenta cheapest: the first with matter or a fork, where
-    /// inertia is constant; for a single body on sliders first, the frame the sliders carry, where
+    /// inertia is constant, or what carries it if that is a run; for a single body on sliders first, the frame the sliders carry, where
     /// its linear momentum is constant times its rate.
     fn hub(&self, mechanism: &Mechanism, root: u32) -> Option<u32> {
         let children = |link: u32| -> Vec<u32> {
@@ -230,6 +249,9 @@ impl Structure {
                 break;
             }
             anchor = below[0];
+        }
+        if let Some(run) = self.runs.iter().find(|run| run.links.contains(&anchor)) {
+            return run.parent;
         }
         if !children(anchor).is_empty() {
             return Some(anchor);
@@ -433,6 +455,20 @@ impl Structure {
             constraint_offset += block.coordinates.len() * block.rows.len();
         }
     }
+}
+
+/// Which links, or one below them, have matter.
+pub fn mass_below(mechanism: &Mechanism) -> Vec<bool> {
+    let mut has_mass_below = vec![false; mechanism.links.len()];
+    for link in mechanism.bodies.iter().filter_map(|body| body.link) {
+        has_mass_below[link as usize] = true;
+    }
+    for (link, l) in mechanism.links.iter().enumerate().rev() {
+        if let (true, Some(parent)) = (has_mass_below[link], l.parent) {
+            has_mass_below[parent as usize] = true;
+        }
+    }
+    has_mass_below
 }
 
 /// Connected components of coordinates that share a group: a representative per coordinate.

@@ -13,6 +13,7 @@ pub mod energy;
 pub mod force;
 pub mod inertia;
 pub mod joint;
+mod run;
 pub mod segment;
 pub mod strand;
 pub mod world;
@@ -104,6 +105,7 @@ impl<S: Scalar> Terms<'_, S> {
 pub struct Workspace<S> {
     pub(crate) sin_cos: Vec<(S, S)>,
     pub(crate) inertia: inertia::Scratch<S>,
+    pub(crate) run: run::Scratch<S>,
     pub(crate) strand: strand::Scratch<S>,
     pub(crate) world: Vec<world::WorldLink<S>>,
     pub(crate) values: Vec<S>,
@@ -115,6 +117,7 @@ impl<S: Scalar> Workspace<S> {
         Workspace {
             sin_cos: vec![(S::zero(), S::one()); structure.count],
             inertia: inertia::Scratch::new(structure.count),
+            run: run::Scratch::new(),
             strand: strand::Scratch::new(structure),
             world: vec![world::WorldLink::default(); structure.count],
             values: Vec::new(),
