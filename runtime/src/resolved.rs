@@ -103,17 +103,25 @@ pub struct ResolvedStrand<S> {
 /// The numbers of a moving segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ResolvedSegment<S> {
-    /// Over one hinge: d² = `constant` − 2(`cosine`·cos q + `sine`·sin q).
-    Hinge {
-        /// Share of the cosine.
-        cosine: S,
-        /// Share of the sine.
-        sine: S,
-        /// The rest.
-        constant: S,
-    },
+    /// Over one hinge.
+    Hinge(Hinge<S>),
     /// Its end points in their links' axes.
     Ends(Vec3<S>, Vec3<S>),
+}
+
+/// d² = `constant` − 2(`cosine`·cos q + `sine`·sin q).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hinge<S> {
+    /// Share of the cosine.
+    pub cosine: S,
+    /// Share of the sine.
+    pub sine: S,
+    /// Twice the first.
+    pub twice_cosine: S,
+    /// Twice the second.
+    pub twice_sine: S,
+    /// The rest.
+    pub constant: S,
 }
 
 /// Springs, limits and damping of a coordinate.
@@ -293,11 +301,14 @@ impl<S: Scalar> Resolved<S> {
         }
         let b = child;
         let along = joint.axis.dot(a) * joint.axis.dot(b);
-        ResolvedSegment::Hinge {
-            cosine: a.dot(b) - along,
-            sine: joint.axis.dot(b.cross(a)),
+        let (cosine, sine) = (a.dot(b) - along, joint.axis.dot(b.cross(a)));
+        ResolvedSegment::Hinge(Hinge {
+            cosine,
+            sine,
+            twice_cosine: cosine.scale(2.0),
+            twice_sine: sine.scale(2.0),
             constant: a.norm_squared() + b.norm_squared() - along.scale(2.0),
-        }
+        })
     }
     fn strand(
         &self,

@@ -5,8 +5,8 @@
 //! segment, which coordinates a step couples.
 
 use crate::expression::{Function, Variable};
-use crate::mechanism::{ConstraintKind, Mechanism, Motion, Strand};
-use crate::resolved::{constraint_points, hinge_between};
+use crate::mechanism::{ConstraintKind, Mechanism, Motion, NumberTransform, Strand};
+use crate::resolved::{constraint_points, principal_axis};
 use crate::run::find_runs;
 use handc_core::layout::Block;
 use std::ops::Range;
@@ -36,12 +36,13 @@ pub struct SegmentPath {
     pub first: Vec<PathStep>,
     /// From the second point's link to the middle.
     pub second: Vec<PathStep>,
-    /// The link of its joint, where that is a single hinge.
-    pub hinge: Option<u32>,
+    /// Whether one hinge about a coordinate axis of the middle lies on each side.
+    pub is_hinge_pair: bool,
     /// Positions of the joints crossed, first side then second, among the strand's coordinates.
     pub positions: Vec<usize>,
-    /// Where each pair (i, j), j ≤ i, of joints crossed stands in the strand's lower triangle.
-    pub pairs: Vec<usize>,
+    /// Where each pair (i, j), j ≤ i, of joints crossed stands in a packed matrix, below the
+    /// diagonal; `None` if a coordinate is kinematic.
+    pub slots: Vec<Option<usize>>,
 }
 
 /// A strand's moving segments and the coordinates they span.
@@ -53,9 +54,11 @@ pub struct StrandPath {
     pub span: Range<usize>,
     /// Moving segments in order.
     pub segments: Vec<SegmentPath>,
-    /// Where the entry (i, j), j ≤ i, of its stiffness stands in a packed matrix, row by row of the
-    /// lower triangle; `None` if a coordinate is kinematic.
-    pub slots: Vec<Option<usize>>,
+    /// Whether no coordinate is crossed by two segments.
+    pub crosses_once: bool,
+    /// Pairs of coordinates, by position, whose stiffness is not that of one segment alone, and
+    /// where they stand in a packed matrix, below the diagonal.
+    pub apart: Vec<(usize, usize, usize)>,
 }
 
 /// A tree of links on the world.
@@ -158,15 +161,25 @@ impl Structure {
     }
 
     fn find_strand_slots(&mut self) {
-        let slots_of = |path: &StrandPath| {
+        let mut strands = std::mem::take(&mut self.strands);
+        for path in &mut strands {
             let c = &path.coordinates;
-            let pairs = (0..c.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-            pairs.map(|(i, j)| self.slot(c[i], c[j])).collect()
-        };
-        let slots: Vec<_> = self.strands.iter().map(slots_of).collect();
-        for (path, slots) in self.strands.iter_mut().zip(slots) {
-            path.slots = slots;
+            let slot = |i: usize, j: usize| self.slot(c[i.max(j)], c[i.min(j)]);
+            let pairs = |count: usize| (0..count).flat_map(|i| (0..=i).map(move |j| (i, j)));
+            let crossings = path.segments.iter().map(|segment| segment.positions.len());
+            path.crosses_once = crossings.sum::<usize>() == c.len();
+            let covered = |i: usize, j: usize| {
+                let covers = |p: &Vec<usize>| p.contains(&i) && p.contains(&j);
+                path.crosses_once && path.segments.iter().any(|s| covers(&s.positions))
+            };
+            let apart = pairs(c.len()).filter(|&(i, j)| !covered(i, j));
+            path.apart = apart.filter_map(|(i, j)| Some((i, j, slot(i, j)?))).collect();
+            for segment in &mut path.segments {
+                let p = &segment.positions;
+                segment.slots = pairs(p.len()).map(|(i, j)| slot(p[i], p[j])).collect();
+            }
         }
+        self.strands = strands;
     }
 
     /// Links from `link` to the root, `link` first; empty for the world.
@@ -274,7 +287,7 @@ impl Structure {
                 continue;
             }
             let mut path = self.segment_path(pair[0].link, pair[1].link);
-            path.hinge = hinge_between(mechanism, pair[0].link, pair[1].link).map(|found| found.0);
+            path.is_hinge_pair = is_hinge_pair(mechanism, &path);
             for step in path.first.iter().chain(&path.second) {
                 coordinates.push(self.coordinate_of[step.link() as usize]);
             }
@@ -291,12 +304,8 @@ impl Structure {
                     coordinates.binary_search(&self.coordinate_of[step.link() as usize]).ok()
                 })
                 .collect();
-            let p = &path.positions;
-            let pairs = (0..p.len()).flat_map(|i| (0..=i).map(move |j| (p[i], p[j])));
-            let entry = |(a, b): (usize, usize)| a.max(b) * (a.max(b) + 1) / 2 + a.min(b);
-            path.pairs = pairs.map(entry).collect();
         }
-        StrandPath { coordinates, span: 0..0, segments, slots: Vec::new() }
+        StrandPath { coordinates, span: 0..0, segments, crosses_once: false, apart: Vec::new() }
     }
 
     /// The joints between two links, split so that both ends cross about as many.
@@ -323,9 +332,9 @@ impl Structure {
         SegmentPath {
             first: whole[..middle].to_vec(),
             second: whole[middle..].iter().rev().map(reversed).collect(),
-            hinge: None,
+            is_hinge_pair: false,
             positions: Vec::new(),
-            pairs: Vec::new(),
+            slots: Vec::new(),
         }
     }
 
@@ -455,6 +464,21 @@ impl Structure {
             constraint_offset += block.coordinates.len() * block.rows.len();
         }
     }
+}
+
+/// See [`SegmentPath::is_hinge_pair`]; a joint frame turned in its parent would turn the axis.
+fn is_hinge_pair(mechanism: &Mechanism, path: &SegmentPath) -> bool {
+    let is_hinge = |step: &PathStep| {
+        let link = &mechanism.links[step.link() as usize];
+        let turned = link.parent_from_joint.rotation != NumberTransform::IDENTITY.rotation;
+        match link.motion {
+            Motion::Revolute { axis } => {
+                principal_axis(&axis).is_some() && !(turned && matches!(step, PathStep::Up(_)))
+            }
+            _ => false,
+        }
+    };
+    matches!((path.first.as_slice(), path.second.as_slice()), ([a], [b]) if is_hinge(a) && is_hinge(b))
 }
 
 /// Which links, or one below them, have matter.

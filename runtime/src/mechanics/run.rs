@@ -207,7 +207,11 @@ impl<S: Scalar> Mechanics<'_, S> {
     }
 
     /// Inertia and momentum of a run that has been moved, in the hub.
-    pub(crate) fn sum_run(&self, workspace: &Workspace<S>, index: usize) -> (Inertia<S>, Spatial<S>) {
+    pub(crate) fn sum_run(
+        &self,
+        workspace: &Workspace<S>,
+        index: usize,
+    ) -> (Inertia<S>, Spatial<S>) {
         let (numbers, scratch) = (&self.numbers.runs[index], &workspace.run);
         let inertia = run_inertia(numbers, &scratch.links);
         let mut momentum = inertia.times(&scratch.motion);

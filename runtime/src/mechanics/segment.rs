@@ -12,7 +12,7 @@
 
 use super::Mechanics;
 use super::world::rotate_vector;
-use crate::resolved::Joint;
+use crate::resolved::{Axis, Hinge, Joint, ResolvedSegment};
 use crate::structure::{PathStep, SegmentPath};
 use crate::vector::Vec3;
 use handc_core::scalar::Scalar;
@@ -43,93 +43,182 @@ pub(crate) struct Crossing<S> {
     motion: Vec3<S>,
     /// s: motion of the other end, were it carried too.
     other: Vec3<S>,
-    /// d_j.
-    pub(crate) length_dq: S,
 }
 
-/// Results of one segment, and scratch.
+/// The segments of one strand: lengths summed, the rest one after another.
 #[derive(Clone, Debug)]
-pub(crate) struct Segment<S> {
-    /// Distance.
+pub(crate) struct Segments<S> {
+    /// Sum of the lengths.
     pub(crate) length: S,
-    /// Joints crossed: those of the first side, then those of the second, innermost last on each.
-    pub(crate) crossings: Vec<Crossing<S>>,
-    /// d_jk, lower triangle, row by row of `crossings`, if wanted.
-    pub(crate) length_dqdq: Vec<S>,
+    /// 1/d of each segment.
+    pub(crate) inverse: Vec<S>,
+    /// d_j of each segment: joints of the first side, then of the second, innermost last on each.
+    pub(crate) length_dq: Vec<S>,
+    /// D_jk of each segment, lower triangle.
+    pub(crate) squares: Vec<S>,
+    crossings: Vec<Crossing<S>>,
 }
 
-impl<S: Scalar> Segment<S> {
+impl<S: Scalar> Segments<S> {
     pub(crate) fn new() -> Self {
-        Segment { length: S::zero(), crossings: Vec::new(), length_dqdq: Vec::new() }
+        Segments {
+            length: S::zero(),
+            inverse: Vec::new(),
+            length_dq: Vec::new(),
+            squares: Vec::new(),
+            crossings: Vec::new(),
+        }
     }
-}
-
-/// Length over a hinge of sine and cosine (s, c), and its first and second derivative.
-#[inline]
-pub(crate) fn hinge_segment<S: Scalar>(
-    (cosine, sine, constant): (S, S, S),
-    (s, c): (S, S),
-    order: Order,
-) -> (S, S, S) {
-    let y = cosine * c + sine * s;
-    let length = (constant - y.scale(2.0)).sqrt();
-    if order == Order::Length {
-        return (length, S::zero(), S::zero());
+    /// Forgets the last strand; a part of the next one has the length given.
+    pub(crate) fn begin(&mut self, length: S) {
+        self.length = length;
+        self.inverse.clear();
+        self.length_dq.clear();
+        self.squares.clear();
     }
-    let inverse = length.recip();
-    let length_dq = (cosine * s - sine * c) * inverse;
-    if order == Order::First {
-        return (length, length_dq, S::zero());
+    /// Adds a segment over a hinge of sine and cosine (s, c).
+    #[inline]
+    fn hinge(&mut self, hinge: &Hinge<S>, (s, c): (S, S), order: Order) {
+        let twice = hinge.twice_cosine * c + hinge.twice_sine * s;
+        let length = (hinge.constant - twice).sqrt();
+        self.length += length;
+        if order == Order::Length {
+            return;
+        }
+        let inverse = length.recip();
+        self.length_dq.push((hinge.cosine * s - hinge.sine * c) * inverse);
+        if order == Order::Second {
+            self.inverse.push(inverse);
+            self.squares.push(twice.scale(0.5));
+        }
     }
-    (length, length_dq, (y - length_dq * length_dq) * inverse)
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
-    /// Length of a segment between two points, with derivatives up to `order`.
+    /// Adds a segment, with derivatives up to `order`.
+    #[inline]
     pub(crate) fn segment(
+        &self,
+        sin_cos: &[(S, S)],
+        q: &[S],
+        path: &SegmentPath,
+        resolved: &ResolvedSegment<S>,
+        order: Order,
+        out: &mut Segments<S>,
+    ) {
+        match resolved {
+            ResolvedSegment::Hinge(hinge) => {
+                let link = path.second[0].link() as usize;
+                out.hinge(hinge, sin_cos[link], order);
+            }
+            ResolvedSegment::Ends(first, second) if order == Order::Length => {
+                let p1 = self.place_along(sin_cos, q, &path.first, *first);
+                let p2 = self.place_along(sin_cos, q, &path.second, *second);
+                out.length += (p2 - p1).norm_squared().sqrt();
+            }
+            ResolvedSegment::Ends(first, second) if path.is_hinge_pair => {
+                self.hinge_pair(sin_cos, path, (*first, *second), order, out);
+            }
+            ResolvedSegment::Ends(first, second) => {
+                self.long_segment(sin_cos, q, path, (*first, *second), order, out);
+            }
+        }
+    }
+
+    /// A segment over one hinge on each side, about axes that are coordinate axes in the middle.
+    fn hinge_pair(
+        &self,
+        sin_cos: &[(S, S)],
+        path: &SegmentPath,
+        (first, second): (Vec3<S>, Vec3<S>),
+        order: Order,
+        out: &mut Segments<S>,
+    ) {
+        let (axis1, arm1, p1, up1) = self.over_hinge(sin_cos, path.first[0], first);
+        let (axis2, arm2, p2, up2) = self.over_hinge(sin_cos, path.second[0], second);
+        let difference = p2 - p1;
+        let length = difference.norm_squared().sqrt();
+        let inverse = length.recip();
+        // The motions of the ends, but for the sign of a joint that is crossed downward.
+        let (motion1, motion2) = (axis1.cross(arm1), axis2.cross(arm2));
+        let signed = |value: S, positive: bool| if positive { value } else { -value };
+        out.length += length;
+        out.length_dq.push(signed(difference.dot(motion1) * inverse, !up1));
+        out.length_dq.push(signed(difference.dot(motion2) * inverse, up2));
+        if order == Order::Second {
+            out.inverse.push(inverse);
+            out.squares.push(axis1.cross(arm1 + difference).dot(motion1));
+            out.squares.push(signed(motion1.dot(motion2), up1 != up2));
+            out.squares.push(axis2.cross(arm2 - difference).dot(motion2));
+        }
+    }
+
+    /// Takes a point over a hinge: its axis, the arm, the point beyond, and whether it went up.
+    #[inline]
+    fn over_hinge(
+        &self,
+        sin_cos: &[(S, S)],
+        step: PathStep,
+        p: Vec3<S>,
+    ) -> (&Axis<S>, Vec3<S>, Vec3<S>, bool) {
+        let link = step.link() as usize;
+        let joint = &self.numbers.joints[link];
+        let (s, c) = sin_cos[link];
+        match step {
+            PathStep::Up(_) => {
+                let arm = rotate_vector(&joint.axis, (s, c), p);
+                (&joint.axis, arm, arm + joint.origin, true)
+            }
+            PathStep::Down(_) => {
+                let mut p = p - joint.origin;
+                if let Some(rotation) = &joint.rotation {
+                    p = rotation.transpose_mul(p);
+                }
+                let arm = rotate_vector(&joint.axis, (-s, c), p);
+                (&joint.axis, arm, arm, false)
+            }
+        }
+    }
+
+    /// A segment over any joints.
+    fn long_segment(
         &self,
         sin_cos: &[(S, S)],
         q: &[S],
         path: &SegmentPath,
         (first, second): (Vec3<S>, Vec3<S>),
         order: Order,
-        out: &mut Segment<S>,
+        out: &mut Segments<S>,
     ) {
-        out.crossings.clear();
-        out.length_dqdq.clear();
-        if order == Order::Length {
-            let p1 = self.place_along(sin_cos, q, &path.first, first);
-            let p2 = self.place_along(sin_cos, q, &path.second, second);
-            out.length = (p2 - p1).norm_squared().sqrt();
-            return;
-        }
-        let p1 = self.walk(sin_cos, q, &path.first, first, &mut out.crossings, 0);
-        let split = out.crossings.len();
-        let p2 = self.walk(sin_cos, q, &path.second, second, &mut out.crossings, split);
+        let crossings = &mut out.crossings;
+        crossings.clear();
+        let p1 = self.walk(sin_cos, q, &path.first, first, crossings, 0);
+        let split = crossings.len();
+        let p2 = self.walk(sin_cos, q, &path.second, second, crossings, split);
         let difference = p2 - p1;
-        out.length = difference.norm_squared().sqrt();
-        let inverse = out.length.recip();
-        let (before, after) = out.crossings.split_at_mut(split);
+        let length = difference.norm_squared().sqrt();
+        let inverse = length.recip();
+        out.length += length;
+        let (before, after) = crossings.split_at_mut(split);
         for crossing in before {
             crossing.arrive(difference);
-            crossing.length_dq = -(difference.dot(crossing.motion) * inverse);
+            out.length_dq.push(-(difference.dot(crossing.motion) * inverse));
         }
         for crossing in after {
             crossing.arrive(-difference);
-            crossing.length_dq = difference.dot(crossing.motion) * inverse;
+            out.length_dq.push(difference.dot(crossing.motion) * inverse);
         }
         if order != Order::Second {
             return;
         }
+        out.inverse.push(inverse);
         for (i, nearer) in out.crossings.iter().enumerate() {
             for (j, outer) in out.crossings[..=i].iter().enumerate() {
-                let square = if (i < split) == (j < split) {
+                out.squares.push(if (i < split) == (j < split) {
                     nearer.other.dot(outer.motion)
                 } else {
                     -nearer.motion.dot(outer.motion)
-                };
-                let bend = (square - nearer.length_dq * outer.length_dq) * inverse;
-                out.length_dqdq.push(bend);
+                });
             }
         }
     }
@@ -260,7 +349,6 @@ impl<S: Scalar> Crossing<S> {
             advance: joint.advance,
             motion: zero,
             other: zero,
-            length_dq: S::zero(),
         }
     }
     /// Works out r and s in the middle, where the other end is `beyond` this one.

@@ -1,32 +1,29 @@
 //! Strands: V = ½k(x − x₀)² over the length x of a path, its gradient and its Hessian.
 
-use super::segment::{Order, Segment, hinge_segment};
+use super::segment::{Order, Segments};
 use super::{Mechanics, Terms, Workspace};
-use crate::resolved::ResolvedSegment;
 use crate::structure::Structure;
 use handc_core::scalar::Scalar;
 
 /// Scratch of one evaluation.
 #[derive(Clone, Debug)]
 pub struct Scratch<S> {
-    segment: Segment<S>,
+    /// Segments of one strand.
+    segments: Segments<S>,
     /// Length of every strand.
     pub(crate) lengths: Vec<S>,
     /// Derivatives of every strand's length by the coordinates of its path, one after another
     /// ([`StrandPath::span`](crate::structure::StrandPath)).
     pub(crate) length_dq: Vec<S>,
-    /// Second derivatives of one strand, lower triangle.
-    length_dqdq: Vec<S>,
 }
 
 impl<S: Scalar> Scratch<S> {
     pub(crate) fn new(structure: &Structure) -> Self {
         let strands = &structure.strands;
         Scratch {
-            segment: Segment::new(),
+            segments: Segments::new(),
             lengths: vec![S::zero(); strands.len()],
             length_dq: vec![S::zero(); strands.last().map_or(0, |path| path.span.end)],
-            length_dqdq: vec![S::zero(); strands.iter().map(|p| p.slots.len()).max().unwrap_or(0)],
         }
     }
 }
@@ -51,22 +48,54 @@ impl<S: Scalar> Mechanics<'_, S> {
             for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
                 terms.force[row] -= tension * dq;
             }
-            let (Some(quarter), Some((_, matrix))) = (quarter, &mut terms.matrix) else { continue };
-            let (k, f) = (stiffness * quarter, tension * quarter);
-            let mut entries = path.slots.iter().zip(&scratch.length_dqdq);
-            for (i, &row_dq) in length_dq.iter().enumerate() {
-                let k_row = k * row_dq;
-                for (&column_dq, (slot, &dqdq)) in length_dq[..=i].iter().zip(&mut entries) {
+            if let (Some(quarter), Some((_, matrix))) = (quarter, &mut terms.matrix) {
+                self.add_stiffness(
+                    workspace,
+                    index,
+                    (stiffness * quarter, tension * quarter),
+                    matrix,
+                );
+            }
+        }
+    }
+
+    /// Subtracts k·x_i x_j + f·x_ij of the strand just evaluated, below the diagonals of `matrix`.
+    /// With d_ij = (D_ij − d_i d_j)/d, the products of a pair that only one segment crosses are
+    /// taken together, (k − f/d)·d_i d_j + (f/d)·D_ij.
+    fn add_stiffness(
+        &self,
+        workspace: &Workspace<S>,
+        index: usize,
+        (k, f): (S, S),
+        matrix: &mut [S],
+    ) {
+        let path = &self.structure.strands[index];
+        let Scratch { segments, length_dq, .. } = &workspace.strand;
+        let length_dq = &length_dq[path.span.clone()];
+        for &(row, column, slot) in &path.apart {
+            matrix[slot] -= k * length_dq[row] * length_dq[column];
+        }
+        let mut first = 0;
+        let mut squares = segments.squares.iter();
+        for (segment, &inverse) in path.segments.iter().zip(&segments.inverse) {
+            let across = f * inverse;
+            let along = if path.crosses_once { k - across } else { -across };
+            let dq = &segments.length_dq[first..first + segment.positions.len()];
+            first += dq.len();
+            let mut entries = segment.slots.iter().zip(&mut squares);
+            for (i, &row_dq) in dq.iter().enumerate() {
+                let row = along * row_dq;
+                for (&column_dq, (slot, &square)) in dq[..=i].iter().zip(&mut entries) {
                     if let Some(slot) = *slot {
-                        matrix[slot] -= k_row * column_dq + f * dqdq;
+                        matrix[slot] -= row * column_dq + across * square;
                     }
                 }
             }
         }
     }
 
-    /// Length of strand `index` and its derivatives, into the workspace; second derivatives (lower
-    /// triangle, in the order of the path's coordinates) if wanted.
+    /// Length of strand `index` and its derivatives, into the workspace; what second derivatives are
+    /// made of stays with the segments, if wanted.
     pub(crate) fn strand_length(
         &self,
         workspace: &mut Workspace<S>,
@@ -76,42 +105,21 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         let path = &self.structure.strands[index];
         let numbers = &self.numbers.strands[index];
-        let Scratch { segment, lengths, length_dq, length_dqdq } = &mut workspace.strand;
-        let length_dq = &mut length_dq[path.span.clone()];
-        let length_dqdq = &mut length_dqdq[..path.slots.len()];
-        length_dq.fill(S::zero());
-        if order == Order::Second {
-            length_dqdq.fill(S::zero());
-        }
-        let mut length = numbers.constant_length;
+        let Scratch { segments, lengths, length_dq } = &mut workspace.strand;
+        segments.begin(numbers.constant_length);
         for (segment_path, resolved) in path.segments.iter().zip(&numbers.segments) {
-            let ends = match (*resolved, segment_path.hinge) {
-                (ResolvedSegment::Hinge { cosine, sine, constant }, Some(link)) => {
-                    let sin_cos = workspace.sin_cos[link as usize];
-                    let hinge = (cosine, sine, constant);
-                    let (d, dq, dqdq) = hinge_segment(hinge, sin_cos, order);
-                    length += d;
-                    if order != Order::Length {
-                        length_dq[segment_path.positions[0]] += dq;
-                    }
-                    if order == Order::Second {
-                        length_dqdq[segment_path.pairs[0]] += dqdq;
-                    }
-                    continue;
-                }
-                (ResolvedSegment::Ends(first, second), _) => (first, second),
-                (ResolvedSegment::Hinge { .. }, None) => unreachable!("a hinge without a link"),
-            };
-            self.segment(&workspace.sin_cos, q, segment_path, ends, order, segment);
-            length += segment.length;
-            for (crossing, &position) in segment.crossings.iter().zip(&segment_path.positions) {
-                length_dq[position] += crossing.length_dq;
-            }
-            for (&dqdq, &pair) in segment.length_dqdq.iter().zip(&segment_path.pairs) {
-                length_dqdq[pair] += dqdq;
-            }
+            self.segment(&workspace.sin_cos, q, segment_path, resolved, order, segments);
         }
-        lengths[index] = length;
+        lengths[index] = segments.length;
+        if order == Order::Length {
+            return;
+        }
+        let length_dq = &mut length_dq[path.span.clone()];
+        length_dq.fill(S::zero());
+        let positions = path.segments.iter().flat_map(|segment| &segment.positions);
+        for (&position, &dq) in positions.zip(&segments.length_dq) {
+            length_dq[position] += dq;
+        }
     }
 
     /// Lengths of all strands at q (m).
