@@ -7,7 +7,7 @@
 use crate::mechanism::{Mechanism, Motion, NumberTransform};
 use crate::resolved::{Axis, Joint, Lump, principal_axis};
 use crate::structure::mass_below;
-use crate::vector::{Mat3, Vec3};
+use crate::vector::{Mat3, Transform, Vec3};
 use handc_core::scalar::Scalar;
 
 /// Runs of at least two links, each from its base to its tip.
@@ -51,8 +51,8 @@ pub fn find_runs(mechanism: &Mechanism) -> Vec<Vec<u32>> {
 /// The numbers of a run, in axes of which the third is that of its joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedRun<S> {
-    /// `joint_from_run`, a permutation of axes.
-    pub axes: Mat3<S>,
+    /// The axes of the run, at its first joint, in the link that carries it.
+    pub parent_from_run: Transform<S>,
     /// Mass of the whole run.
     pub mass: S,
     /// Its links from base to tip.
@@ -122,7 +122,10 @@ impl<S: Scalar> ResolvedRun<S> {
             offset = cycled(joints[link as usize].origin);
         }
         links.reverse();
-        ResolvedRun { axes, mass, links }
+        let joint = &joints[run[0] as usize];
+        let rotation = joint.rotation.map_or(axes, |rotation| rotation * axes);
+        let parent_from_run = Transform { rotation, translation: joint.origin };
+        ResolvedRun { parent_from_run, mass, links }
     }
 }
 

@@ -70,6 +70,8 @@ pub struct Tree {
     pub runs: Vec<usize>,
     /// The link in whose axes the tree's momenta are expressed; `None` is the world.
     pub hub: Option<u32>,
+    /// A run in whose axes, at its first joint, they are expressed instead.
+    pub base: Option<usize>,
     /// Links from the root to the hub, hub included.
     pub trunk: Vec<u32>,
 }
@@ -83,6 +85,8 @@ pub struct Run {
     pub parent: Option<u32>,
     /// Links from the parent to the root.
     pub ancestors: Vec<u32>,
+    /// Whether the axes of the run are those of its tree, in place of its parent's.
+    pub is_hub: bool,
 }
 
 /// The shape of a mechanism.
@@ -218,7 +222,7 @@ impl Structure {
     fn find_runs(&self, mechanism: &Mechanism) -> Vec<Run> {
         let runs = find_runs(mechanism).into_iter().map(|links| {
             let parent = self.parents[links[0] as usize];
-            Run { links, parent, ancestors: self.chain(parent) }
+            Run { links, parent, ancestors: self.chain(parent), is_hub: false }
         });
         runs.collect()
     }
@@ -237,17 +241,20 @@ impl Structure {
                 .collect();
             let runs = (0..self.runs.len()).filter(|&run| in_tree(self.runs[run].links[0]));
             let runs = runs.collect();
-            let hub = self.hub(mechanism, root);
+            let (hub, base) = self.hub(mechanism, root);
+            if let Some(base) = base {
+                self.runs[base].is_hub = true;
+            }
             let mut trunk = self.chain(hub);
             trunk.reverse();
-            self.trees.push(Tree { links, runs, hub, trunk });
+            self.trees.push(Tree { links, runs, hub, base, trunk });
         }
     }
 
     /// The link whose axes make the tree's momenta cheapest: the first with matter or a fork, where
-    /// inertia is constant, or what carries it if that is a run; for a single body on sliders first, the frame the sliders carry, where
+    /// inertia is constant, or what carries it if that is a run, and the run; for a single body on sliders first, the frame the sliders carry, where
     /// its linear momentum is constant times its rate.
-    fn hub(&self, mechanism: &Mechanism, root: u32) -> Option<u32> {
+    fn hub(&self, mechanism: &Mechanism, root: u32) -> (Option<u32>, Option<usize>) {
         let children = |link: u32| -> Vec<u32> {
             (0..self.count as u32)
                 .filter(|&l| {
@@ -263,11 +270,11 @@ impl Structure {
             }
             anchor = below[0];
         }
-        if let Some(run) = self.runs.iter().find(|run| run.links.contains(&anchor)) {
-            return run.parent;
+        if let Some(run) = self.runs.iter().position(|run| run.links.contains(&anchor)) {
+            return (self.runs[run].parent, Some(run));
         }
         if !children(anchor).is_empty() {
-            return Some(anchor);
+            return (Some(anchor), None);
         }
         let mut slider = None;
         for &link in self.chain(Some(anchor)).iter().rev() {
@@ -276,7 +283,7 @@ impl Structure {
                 _ => break,
             }
         }
-        slider.or(Some(anchor))
+        (slider.or(Some(anchor)), None)
     }
 
     fn strand_path(&self, mechanism: &Mechanism, strand: &Strand) -> StrandPath {

@@ -246,10 +246,17 @@ impl<S: Scalar> Mechanics<'_, S> {
 
     /// Transforms and screws in the hub; returns the rotation `hub_from_world`.
     fn place_tree(&self, workspace: &mut Workspace<S>, tree: &Tree, q: &[S]) -> Mat3<S> {
-        let mut hub_from = Transform::identity();
+        let mut hub_from = match tree.base {
+            Some(run) => self.numbers.runs[run].parent_from_run.inverse(),
+            None => Transform::identity(),
+        };
         for &link in tree.trunk.iter().rev() {
             let l = link as usize;
             workspace.inertia.hub_from_link[l] = hub_from;
+            if self.structure.parents[l].is_none() && self.numbers.gravity.is_none() {
+                // Nothing asks for the world.
+                break;
+            }
             let joint = &self.numbers.joints[l];
             // Up the trunk: hub_from_parent = hub_from_link · (parent_from_joint · motion)⁻¹.
             let mut rotation = hub_from.rotation;

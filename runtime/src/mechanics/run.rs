@@ -39,10 +39,8 @@ pub(crate) struct Turned<S> {
 /// A vector x fixed in a link.
 #[derive(Clone, Copy, Debug)]
 struct Carried<S> {
-    /// x.
+    /// x; its derivative by the angle is a × x.
     vector: Vec3<S>,
-    /// a × x, its derivative by the angle.
-    turn: Vec3<S>,
     /// Ω × x, its rate.
     rate: Vec3<S>,
     /// Ω × (a × x).
@@ -56,8 +54,8 @@ pub(crate) struct Scratch<S> {
     /// Even and odd parts of a matrix over the angles, lower triangles.
     even: Vec<S>,
     odd: Vec<S>,
-    /// `hub_from_run`.
-    base: Transform<S>,
+    /// `hub_from_run`; `None` is the identity.
+    base: Option<Transform<S>>,
     /// Motion of the base in the run's axes, at its first joint.
     motion: Spatial<S>,
 }
@@ -68,9 +66,17 @@ impl<S: Scalar> Scratch<S> {
             links: Vec::new(),
             even: Vec::new(),
             odd: Vec::new(),
-            base: Transform::identity(),
+            base: None,
             motion: Spatial::zero(),
         }
+    }
+}
+
+impl<S: Scalar> Scratch<S> {
+    /// A motion in the axes of the run.
+    #[inline]
+    fn see(&self, motion: Spatial<S>) -> Spatial<S> {
+        self.base.as_ref().map_or(motion, |base| motion.seen_from(base))
     }
 }
 
@@ -79,8 +85,8 @@ impl<S: Scalar> Carried<S> {
     fn new(fixed: Vec3<S>, (s, c): (S, S), spin: Vec3<S>) -> Self {
         let [x, y, z] = fixed.0;
         let (x, y) = (x * c - y * s, y * c + x * s);
-        let (vector, turn) = (Vec3([x, y, z]), Vec3([-y, x, S::zero()]));
-        Carried { vector, turn, rate: spin.cross(vector), rate_turn: spin.cross(turn) }
+        let vector = Vec3([x, y, z]);
+        Carried { vector, rate: spin.cross(vector), rate_turn: cross_turn(spin, vector) }
     }
     /// Minus the second derivative of the rate by the angle, Ω × (x − a(a·x)).
     #[inline]
@@ -88,6 +94,19 @@ impl<S: Scalar> Carried<S> {
         let ([x, y, _], z) = (spin.0, self.vector.0[2]);
         self.rate - Vec3([y * z, -(x * z), S::zero()])
     }
+}
+
+/// (a × x)·v.
+#[inline]
+fn turn_dot<S: Scalar>(x: Vec3<S>, v: Vec3<S>) -> S {
+    x.0[0] * v.0[1] - x.0[1] * v.0[0]
+}
+
+/// v × (a × x).
+#[inline]
+fn cross_turn<S: Scalar>(v: Vec3<S>, x: Vec3<S>) -> Vec3<S> {
+    let ([vx, vy, vz], [x, y, _]) = (v.0, x.0);
+    Vec3([-(vz * x), -(vz * y), vx * x + vy * y])
 }
 
 impl<S: Scalar> Turned<S> {
@@ -114,8 +133,8 @@ impl<S: Scalar> Turned<S> {
     #[inline]
     fn momentum(&self, polar: S) -> S {
         let ([x, y, z], [xz, yz]) = (self.spin.0, self.tilt);
-        self.offset.turn.dot(self.beyond_rate)
-            + self.moment.turn.dot(self.before_rate)
+        turn_dot(self.offset.vector, self.beyond_rate)
+            + turn_dot(self.moment.vector, self.before_rate)
             + (xz * x + yz * y + polar * z)
     }
     /// ∂T/∂θ.
@@ -140,10 +159,11 @@ impl<S: Scalar> Turned<S> {
     #[inline]
     fn momentum_dv(&self, polar: S) -> Spatial<S> {
         let [xz, yz] = self.tilt;
-        let angular = self.beyond.cross(self.offset.turn)
-            + self.before.cross(self.moment.turn)
+        let angular = cross_turn(self.beyond, self.offset.vector)
+            + cross_turn(self.before, self.moment.vector)
             + Vec3([xz, yz, polar]);
-        Spatial { angular, linear: self.moment.turn }
+        let [x, y, _] = self.moment.vector.0;
+        Spatial { angular, linear: Vec3([-y, x, S::zero()]) }
     }
     /// Derivative of the run's momentum by θ.
     #[inline]
@@ -155,10 +175,10 @@ impl<S: Scalar> Turned<S> {
             half * x2 + mixed * y2 + xz * z,
             xz * y - yz * x,
         ]);
-        let angular = self.offset.turn.cross(self.beyond_rate)
-            + self.moment.turn.cross(self.before_rate)
-            + self.beyond.cross(self.offset.rate_turn)
+        let angular = self.beyond.cross(self.offset.rate_turn)
             + self.before.cross(self.moment.rate_turn)
+            - cross_turn(self.beyond_rate, self.offset.vector)
+            - cross_turn(self.before_rate, self.moment.vector)
             + own;
         Spatial { angular, linear: self.moment.rate_turn }
     }
@@ -168,22 +188,11 @@ impl<S: Scalar> Mechanics<'_, S> {
     /// Places and moves a run whose parent is placed and moves.
     pub(crate) fn move_run(&self, workspace: &mut Workspace<S>, index: usize, v: &[S]) {
         let (run, numbers) = (&self.structure.runs[index], &self.numbers.runs[index]);
-        let joint = &self.numbers.joints[run.links[0] as usize];
         let parent = run.parent.map(|parent| workspace.inertia.placed(parent));
         let (parent, motion) = parent.unwrap_or((Transform::identity(), Spatial::zero()));
         let scratch = &mut workspace.run;
-        scratch.base = Transform {
-            rotation: match joint.rotation {
-                Some(rotation) => parent.rotation * rotation * numbers.axes,
-                None => parent.rotation * numbers.axes,
-            },
-            translation: parent.point(joint.origin),
-        };
-        if run.parent.is_some() {
-            scratch.motion = motion.seen_from(&scratch.base);
-        } else {
-            scratch.motion = Spatial::zero();
-        }
+        scratch.base = (!run.is_hub).then(|| parent * numbers.parent_from_run);
+        scratch.motion = if run.parent.is_some() { scratch.see(motion) } else { motion };
         scratch.links.clear();
         let mut rate = S::zero();
         let (mut s, mut c) = (S::zero(), S::one());
@@ -218,7 +227,10 @@ impl<S: Scalar> Mechanics<'_, S> {
         for (turned, link) in scratch.links.iter().zip(&numbers.links) {
             momentum = momentum.plus(&turned.momentum_dv(link.polar).scale(turned.rate));
         }
-        (inertia.carried_to(&scratch.base), momentum.force_carried_to(&scratch.base))
+        match &scratch.base {
+            Some(base) => (inertia.carried_to(base), momentum.force_carried_to(base)),
+            None => (inertia, momentum),
+        }
     }
 
     /// Adds what a run that has been moved does to its own coordinates, and the matrix between them
@@ -232,7 +244,10 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         let (run, numbers) = (&self.structure.runs[index], &self.numbers.runs[index]);
         let scratch = &mut workspace.run;
-        let gravity = gravity.map(|g| scratch.base.rotation.transpose_mul(g));
+        let gravity = gravity.map(|g| match &scratch.base {
+            Some(base) => base.rotation.transpose_mul(g),
+            None => g,
+        });
         let (mut momentum, mut force) = (S::zero(), S::zero());
         for ((&link, numbers), turned) in
             run.links.iter().zip(&numbers.links).zip(&scratch.links).rev()
@@ -240,7 +255,7 @@ impl<S: Scalar> Mechanics<'_, S> {
             momentum += turned.momentum(numbers.polar);
             force += turned.force();
             if let Some(g) = gravity {
-                force += turned.moment.turn.dot(g);
+                force += turn_dot(turned.moment.vector, g);
             }
             let row = self.structure.coordinate_of[link as usize];
             terms.momentum[row] += momentum;
@@ -252,9 +267,10 @@ impl<S: Scalar> Mechanics<'_, S> {
         scratch.odd.clear();
         for (i, turned) in scratch.links.iter().enumerate() {
             for before in &scratch.links[..i] {
-                let mass = before.offset.turn.dot(turned.moment.turn);
+                let (d, b) = (before.offset.vector, turned.moment.vector);
+                let mass = d.0[0] * b.0[0] + d.0[1] * b.0[1];
                 let stiffness = before.offset.rate_turn.dot(turned.moment.rate_turn);
-                let lever = before.offset.turn.dot(turned.moment.vector);
+                let lever = turn_dot(d, b);
                 let spin = (before.spin.0[2] + turned.spin.0[2]).scale(0.5);
                 scratch.even.push(stiffness * quarter - mass * by_h);
                 scratch.odd.push(-(spin * lever));
@@ -280,8 +296,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
         for &ancestor in &run.ancestors {
             let (screw, screw_dot) = workspace.inertia.screws(ancestor);
-            let screw = screw.seen_from(&workspace.run.base);
-            let screw_dot = screw_dot.seen_from(&workspace.run.base);
+            let (screw, screw_dot) = (workspace.run.see(screw), workspace.run.see(screw_dot));
             let lean = gravity.map(|g| g.cross(screw.angular));
             let column = coordinate(ancestor);
             let (mut even, mut odd) = (S::zero(), S::zero());
@@ -290,7 +305,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 let (dv, dq) = (turned.momentum_dv(numbers.polar), turned.momentum_dq());
                 let mut stiffness = screw_dot.dot(&dq);
                 if let Some(lean) = lean {
-                    stiffness += lean.dot(turned.moment.turn);
+                    stiffness += turn_dot(turned.moment.vector, lean);
                 }
                 even += stiffness * quarter - screw.dot(&dv) * by_h;
                 odd += (screw.dot(&dq) - screw_dot.dot(&dv)).scale(0.5);
@@ -312,7 +327,8 @@ impl<S: Scalar> Mechanics<'_, S> {
         scratch.even.clear();
         for (i, turned) in scratch.links.iter().enumerate() {
             for before in &scratch.links[..i] {
-                scratch.even.push(before.offset.turn.dot(turned.moment.turn));
+                let (d, b) = (before.offset.vector, turned.moment.vector);
+                scratch.even.push(d.0[0] * b.0[0] + d.0[1] * b.0[1]);
             }
             scratch.even.push(numbers.links[i].polar);
         }
@@ -323,7 +339,7 @@ impl<S: Scalar> Mechanics<'_, S> {
             }
         }
         for &ancestor in &run.ancestors {
-            let screw = workspace.inertia.screws(ancestor).0.seen_from(&workspace.run.base);
+            let screw = workspace.run.see(workspace.inertia.screws(ancestor).0);
             let mut mass = S::zero();
             let links = workspace.run.links.iter().zip(&numbers.links);
             for (&link, (turned, numbers)) in run.links.iter().zip(links).rev() {

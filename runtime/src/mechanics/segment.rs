@@ -154,7 +154,7 @@ impl<S: Scalar> Mechanics<'_, S> {
     }
 
     /// Takes a point over a hinge: its axis, the arm, the point beyond, and whether it went up.
-    #[inline]
+    #[inline(always)]
     fn over_hinge(
         &self,
         sin_cos: &[(S, S)],
