@@ -8,6 +8,7 @@ use crate::mechanism::{
     ConstraintKind, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
 };
 use crate::run::{ResolvedRun, find_runs};
+use crate::structure::{PathStep, path_between};
 use crate::vector::{Mat3, Transform, Vec3};
 use handc_core::scalar::Scalar;
 
@@ -103,8 +104,10 @@ pub struct ResolvedStrand<S> {
 /// The numbers of a moving segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ResolvedSegment<S> {
-    /// Over one hinge.
-    Hinge(Hinge<S>),
+    /// Over the hinge of a link.
+    Hinge(u32, Hinge<S>),
+    /// Over one hinge on each side, about axes that are coordinate axes in the middle.
+    HingePair(HingeEnd<S>, HingeEnd<S>),
     /// Its end points in their links' axes.
     Ends(Vec3<S>, Vec3<S>),
 }
@@ -122,6 +125,21 @@ pub struct Hinge<S> {
     pub twice_sine: S,
     /// The rest.
     pub constant: S,
+}
+
+/// An end of a segment, with a hinge between it and the middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HingeEnd<S> {
+    /// The link of the hinge.
+    pub link: u32,
+    /// Its axis.
+    pub axis: Axis<S>,
+    /// The point, from the joint and in its axes, as far as they do not move against it.
+    pub point: Vec3<S>,
+    /// Whether the point moves with the link and the middle does not.
+    pub is_carried: bool,
+    /// The joint in the middle's axes.
+    pub origin: Vec3<S>,
 }
 
 /// Springs, limits and damping of a coordinate.
@@ -293,8 +311,52 @@ impl<S: Scalar> Resolved<S> {
             is_isotropic: false,
         })
     }
+    fn segment(
+        &self,
+        (first, a): (&[PathStep], Vec3<S>),
+        (second, b): (&[PathStep], Vec3<S>),
+    ) -> ResolvedSegment<S> {
+        let is_hinge = |step: PathStep| {
+            let joint = &self.joints[step.link() as usize];
+            joint.rotates && joint.advance.is_none()
+        };
+        match (first, second) {
+            ([], [step @ PathStep::Up(link)]) if is_hinge(*step) => {
+                ResolvedSegment::Hinge(*link, self.hinge(*link, a, b))
+            }
+            ([], [step @ PathStep::Down(link)]) if is_hinge(*step) => {
+                ResolvedSegment::Hinge(*link, self.hinge(*link, b, a))
+            }
+            ([x], [y]) => match (self.hinge_end(*x, a), self.hinge_end(*y, b)) {
+                (Some(first), Some(second)) => ResolvedSegment::HingePair(first, second),
+                _ => ResolvedSegment::Ends(a, b),
+            },
+            _ => ResolvedSegment::Ends(a, b),
+        }
+    }
+    fn hinge_end(&self, step: PathStep, point: Vec3<S>) -> Option<HingeEnd<S>> {
+        let link = step.link();
+        let joint = &self.joints[link as usize];
+        if !joint.rotates || joint.advance.is_some() || matches!(joint.axis, Axis::General(_)) {
+            return None;
+        }
+        let (axis, is_carried) = (joint.axis, matches!(step, PathStep::Up(_)));
+        match joint.rotation {
+            // Its frame turned in its parent turns the axis.
+            Some(_) if is_carried => None,
+            _ if is_carried => {
+                Some(HingeEnd { link, axis, point, is_carried, origin: joint.origin })
+            }
+            rotation => {
+                let p = point - joint.origin;
+                let point = rotation.map_or(p, |rotation| rotation.transpose_mul(p));
+                Some(HingeEnd { link, axis, point, is_carried, origin: Vec3::zero() })
+            }
+        }
+    }
     /// A segment from `parent` on one side of a hinge to `child` on the other.
-    fn hinge(&self, joint: &Joint<S>, parent: Vec3<S>, child: Vec3<S>) -> ResolvedSegment<S> {
+    fn hinge(&self, link: u32, parent: Vec3<S>, child: Vec3<S>) -> Hinge<S> {
+        let joint = &self.joints[link as usize];
         let mut a = parent - joint.origin;
         if let Some(rotation) = joint.rotation {
             a = rotation.transpose_mul(a);
@@ -302,13 +364,13 @@ impl<S: Scalar> Resolved<S> {
         let b = child;
         let along = joint.axis.dot(a) * joint.axis.dot(b);
         let (cosine, sine) = (a.dot(b) - along, joint.axis.dot(b.cross(a)));
-        ResolvedSegment::Hinge(Hinge {
+        Hinge {
             cosine,
             sine,
             twice_cosine: cosine.scale(2.0),
             twice_sine: sine.scale(2.0),
             constant: a.norm_squared() + b.norm_squared() - along.scale(2.0),
-        })
+        }
     }
     fn strand(
         &self,
@@ -322,11 +384,8 @@ impl<S: Scalar> Resolved<S> {
             if pair[0].link == pair[1].link {
                 constant_length += (b - a).norm_squared().sqrt();
             } else {
-                segments.push(match hinge_between(mechanism, pair[0].link, pair[1].link) {
-                    Some((link, true)) => self.hinge(&self.joints[link as usize], a, b),
-                    Some((link, false)) => self.hinge(&self.joints[link as usize], b, a),
-                    None => ResolvedSegment::Ends(a, b),
-                });
+                let [first, second] = path_between(mechanism, pair[0].link, pair[1].link);
+                segments.push(self.segment((&first, a), (&second, b)));
             }
         }
         ResolvedStrand { stiffness: self.number(strand.stiffness), constant_length, segments }
@@ -351,20 +410,6 @@ fn deviator<S: Scalar>([xx, yy, zz, xy, xz, yz]: [S; 6], isotropic: S) -> Mat3<S
 pub fn principal_axis(axis: &NumberVector) -> Option<usize> {
     let unit = |i: usize, j: usize| Number::Constant(if i == j { 1.0 } else { 0.0 });
     (0..3).find(|&i| (0..3).all(|j| axis[j] == unit(i, j)))
-}
-
-/// The link whose hinge alone lies between two links, and whether the first is its parent.
-pub fn hinge_between(
-    mechanism: &Mechanism,
-    first: Option<u32>,
-    second: Option<u32>,
-) -> Option<(u32, bool)> {
-    let below = |parent: Option<u32>, child: Option<u32>| {
-        let link = &mechanism.links[child? as usize];
-        (link.parent == parent && matches!(link.motion, Motion::Revolute { .. })).then_some(child?)
-    };
-    let downward = below(first, second).map(|link| (link, true));
-    downward.or_else(|| below(second, first).map(|link| (link, false)))
 }
 
 /// The points of a constraint that are given by position, for those that walk over constraints.

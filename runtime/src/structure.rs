@@ -5,8 +5,8 @@
 //! segment, which coordinates a step couples.
 
 use crate::expression::{Function, Variable};
-use crate::mechanism::{ConstraintKind, Mechanism, Motion, NumberTransform, Strand};
-use crate::resolved::{constraint_points, principal_axis};
+use crate::mechanism::{ConstraintKind, Mechanism, Motion, Strand};
+use crate::resolved::constraint_points;
 use crate::run::find_runs;
 use handc_core::layout::Block;
 use std::ops::Range;
@@ -36,8 +36,6 @@ pub struct SegmentPath {
     pub first: Vec<PathStep>,
     /// From the second point's link to the middle.
     pub second: Vec<PathStep>,
-    /// Whether one hinge about a coordinate axis of the middle lies on each side.
-    pub is_hinge_pair: bool,
     /// Positions of the joints crossed, first side then second, among the strand's coordinates.
     pub positions: Vec<usize>,
     /// Where each pair (i, j), j ≤ i, of joints crossed stands in a packed matrix, below the
@@ -70,7 +68,7 @@ pub struct Tree {
     pub runs: Vec<usize>,
     /// The link in whose axes the tree's momenta are expressed; `None` is the world.
     pub hub: Option<u32>,
-    /// A run in whose axes, at its first joint, they are expressed instead.
+    /// A run on the hub in whose axes, at its first joint, they are expressed instead.
     pub base: Option<usize>,
     /// Links from the root to the hub, hub included.
     pub trunk: Vec<u32>,
@@ -85,8 +83,6 @@ pub struct Run {
     pub parent: Option<u32>,
     /// Links from the parent to the root.
     pub ancestors: Vec<u32>,
-    /// Whether the axes of the run are those of its tree, in place of its parent's.
-    pub is_hub: bool,
 }
 
 /// The shape of a mechanism.
@@ -222,7 +218,7 @@ impl Structure {
     fn find_runs(&self, mechanism: &Mechanism) -> Vec<Run> {
         let runs = find_runs(mechanism).into_iter().map(|links| {
             let parent = self.parents[links[0] as usize];
-            Run { links, parent, ancestors: self.chain(parent), is_hub: false }
+            Run { links, parent, ancestors: self.chain(parent) }
         });
         runs.collect()
     }
@@ -242,9 +238,6 @@ impl Structure {
             let runs = (0..self.runs.len()).filter(|&run| in_tree(self.runs[run].links[0]));
             let runs = runs.collect();
             let (hub, base) = self.hub(mechanism, root);
-            if let Some(base) = base {
-                self.runs[base].is_hub = true;
-            }
             let mut trunk = self.chain(hub);
             trunk.reverse();
             self.trees.push(Tree { links, runs, hub, base, trunk });
@@ -252,8 +245,9 @@ impl Structure {
     }
 
     /// The link whose axes make the tree's momenta cheapest: the first with matter or a fork, where
-    /// inertia is constant, or what carries it if that is a run, and the run; for a single body on sliders first, the frame the sliders carry, where
-    /// its linear momentum is constant times its rate.
+    /// inertia is constant; for a single body on sliders first, the frame the sliders carry, where
+    /// its linear momentum is constant times its rate. Where a run comes first, what carries it, and
+    /// the run.
     fn hub(&self, mechanism: &Mechanism, root: u32) -> (Option<u32>, Option<usize>) {
         let children = |link: u32| -> Vec<u32> {
             (0..self.count as u32)
@@ -293,12 +287,12 @@ impl Structure {
             if pair[0].link == pair[1].link {
                 continue;
             }
-            let mut path = self.segment_path(pair[0].link, pair[1].link);
-            path.is_hinge_pair = is_hinge_pair(mechanism, &path);
-            for step in path.first.iter().chain(&path.second) {
+            let [first, second] = path_between(mechanism, pair[0].link, pair[1].link);
+            for step in first.iter().chain(&second) {
                 coordinates.push(self.coordinate_of[step.link() as usize]);
             }
-            segments.push(path);
+            let (positions, slots) = (Vec::new(), Vec::new());
+            segments.push(SegmentPath { first, second, positions, slots });
         }
         coordinates.sort_unstable();
         coordinates.dedup();
@@ -313,36 +307,6 @@ impl Structure {
                 .collect();
         }
         StrandPath { coordinates, span: 0..0, segments, crosses_once: false, apart: Vec::new() }
-    }
-
-    /// The joints between two links, split so that both ends cross about as many.
-    pub fn segment_path(&self, first: Option<u32>, second: Option<u32>) -> SegmentPath {
-        let (mut up, mut down) = (self.chain(first), self.chain(second));
-        while let (Some(a), Some(b)) = (up.last(), down.last()) {
-            if a != b {
-                break;
-            }
-            up.pop();
-            down.pop();
-        }
-        // The whole path from first to second: up to the common ancestor, then down.
-        let whole: Vec<PathStep> = up
-            .iter()
-            .map(|&l| PathStep::Up(l))
-            .chain(down.iter().rev().map(|&l| PathStep::Down(l)))
-            .collect();
-        let middle = whole.len() / 2;
-        let reversed = |step: &PathStep| match *step {
-            PathStep::Up(l) => PathStep::Down(l),
-            PathStep::Down(l) => PathStep::Up(l),
-        };
-        SegmentPath {
-            first: whole[..middle].to_vec(),
-            second: whole[middle..].iter().rev().map(reversed).collect(),
-            is_hinge_pair: false,
-            positions: Vec::new(),
-            slots: Vec::new(),
-        }
     }
 
     fn mark_world_links(&mut self, mechanism: &Mechanism) {
@@ -473,19 +437,34 @@ impl Structure {
     }
 }
 
-/// See [`SegmentPath::is_hinge_pair`]; a joint frame turned in its parent would turn the axis.
-fn is_hinge_pair(mechanism: &Mechanism, path: &SegmentPath) -> bool {
-    let is_hinge = |step: &PathStep| {
-        let link = &mechanism.links[step.link() as usize];
-        let turned = link.parent_from_joint.rotation != NumberTransform::IDENTITY.rotation;
-        match link.motion {
-            Motion::Revolute { axis } => {
-                principal_axis(&axis).is_some() && !(turned && matches!(step, PathStep::Up(_)))
-            }
-            _ => false,
+/// Links from `link` to the root, `link` first; empty for the world.
+fn chain(mechanism: &Mechanism, link: Option<u32>) -> Vec<u32> {
+    std::iter::successors(link, |&link| mechanism.links[link as usize].parent).collect()
+}
+
+/// The joints from the ends of a segment to its middle, split so that both cross about as many.
+pub fn path_between(
+    mechanism: &Mechanism,
+    first: Option<u32>,
+    second: Option<u32>,
+) -> [Vec<PathStep>; 2] {
+    let (mut up, mut down) = (chain(mechanism, first), chain(mechanism, second));
+    while let (Some(a), Some(b)) = (up.last(), down.last()) {
+        if a != b {
+            break;
         }
+        up.pop();
+        down.pop();
+    }
+    // The whole path from first to second: up to the common ancestor, then down.
+    let up = up.iter().map(|&l| PathStep::Up(l));
+    let whole: Vec<PathStep> = up.chain(down.iter().rev().map(|&l| PathStep::Down(l))).collect();
+    let middle = whole.len() / 2;
+    let reversed = |step: &PathStep| match *step {
+        PathStep::Up(l) => PathStep::Down(l),
+        PathStep::Down(l) => PathStep::Up(l),
     };
-    matches!((path.first.as_slice(), path.second.as_slice()), ([a], [b]) if is_hinge(a) && is_hinge(b))
+    [whole[..middle].to_vec(), whole[middle..].iter().rev().map(reversed).collect()]
 }
 
 /// Which links, or one below them, have matter.

@@ -199,7 +199,7 @@ impl<S: Scalar> Mechanics<'_, S> {
             self.place_lumps(workspace, tree);
             let gravity = self.numbers.gravity.map(|g| hub_from_world * g);
             for &run in &tree.runs {
-                self.move_run(workspace, run, v);
+                self.move_run(workspace, run, tree.base == Some(run), v);
                 self.add_run(workspace, run, gravity, terms);
                 self.load_parent(workspace, run);
             }
@@ -225,7 +225,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 }
             };
             for &run in &tree.runs {
-                self.move_run(workspace, run, &zero);
+                self.move_run(workspace, run, tree.base == Some(run), &zero);
                 self.write_run_mass(workspace, run, &mut write);
                 self.load_parent(workspace, run);
             }

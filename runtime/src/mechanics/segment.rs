@@ -12,7 +12,7 @@
 
 use super::Mechanics;
 use super::world::rotate_vector;
-use crate::resolved::{Axis, Hinge, Joint, ResolvedSegment};
+use crate::resolved::{Hinge, HingeEnd, Joint, ResolvedSegment};
 use crate::structure::{PathStep, SegmentPath};
 use crate::vector::Vec3;
 use handc_core::scalar::Scalar;
@@ -92,6 +92,46 @@ impl<S: Scalar> Segments<S> {
             self.squares.push(twice.scale(0.5));
         }
     }
+
+    /// Adds a segment over one hinge on each side.
+    #[inline]
+    fn hinge_pair(
+        &mut self,
+        first: &HingeEnd<S>,
+        second: &HingeEnd<S>,
+        [turn1, turn2]: [(S, S); 2],
+        order: Order,
+    ) {
+        let (arm1, arm2) = (first.arm(turn1), second.arm(turn2));
+        let difference = (arm2 + second.origin) - (arm1 + first.origin);
+        let length = difference.norm_squared().sqrt();
+        self.length += length;
+        if order == Order::Length {
+            return;
+        }
+        let inverse = length.recip();
+        // The motions of the ends, but for the sign of a joint that carries the middle instead.
+        let (motion1, motion2) = (first.axis.cross(arm1), second.axis.cross(arm2));
+        let signed = |value: S, positive: bool| if positive { value } else { -value };
+        self.length_dq.push(signed(difference.dot(motion1) * inverse, !first.is_carried));
+        self.length_dq.push(signed(difference.dot(motion2) * inverse, second.is_carried));
+        if order == Order::Second {
+            let opposite = first.is_carried != second.is_carried;
+            self.inverse.push(inverse);
+            self.squares.push(first.axis.cross(arm1 + difference).dot(motion1));
+            self.squares.push(signed(motion1.dot(motion2), opposite));
+            self.squares.push(second.axis.cross(arm2 - difference).dot(motion2));
+        }
+    }
+}
+
+impl<S: Scalar> HingeEnd<S> {
+    /// From the joint to the point, in the middle's axes.
+    #[inline]
+    fn arm(&self, (s, c): (S, S)) -> Vec3<S> {
+        let s = if self.is_carried { s } else { -s };
+        rotate_vector(&self.axis, (s, c), self.point)
+    }
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
@@ -107,75 +147,20 @@ impl<S: Scalar> Mechanics<'_, S> {
         out: &mut Segments<S>,
     ) {
         match resolved {
-            ResolvedSegment::Hinge(hinge) => {
-                let link = path.second[0].link() as usize;
-                out.hinge(hinge, sin_cos[link], order);
+            ResolvedSegment::Hinge(link, hinge) => {
+                out.hinge(hinge, sin_cos[*link as usize], order);
+            }
+            ResolvedSegment::HingePair(first, second) => {
+                let sin_cos = [sin_cos[first.link as usize], sin_cos[second.link as usize]];
+                out.hinge_pair(first, second, sin_cos, order);
             }
             ResolvedSegment::Ends(first, second) if order == Order::Length => {
                 let p1 = self.place_along(sin_cos, q, &path.first, *first);
                 let p2 = self.place_along(sin_cos, q, &path.second, *second);
                 out.length += (p2 - p1).norm_squared().sqrt();
             }
-            ResolvedSegment::Ends(first, second) if path.is_hinge_pair => {
-                self.hinge_pair(sin_cos, path, (*first, *second), order, out);
-            }
             ResolvedSegment::Ends(first, second) => {
                 self.long_segment(sin_cos, q, path, (*first, *second), order, out);
-            }
-        }
-    }
-
-    /// A segment over one hinge on each side, about axes that are coordinate axes in the middle.
-    fn hinge_pair(
-        &self,
-        sin_cos: &[(S, S)],
-        path: &SegmentPath,
-        (first, second): (Vec3<S>, Vec3<S>),
-        order: Order,
-        out: &mut Segments<S>,
-    ) {
-        let (axis1, arm1, p1, up1) = self.over_hinge(sin_cos, path.first[0], first);
-        let (axis2, arm2, p2, up2) = self.over_hinge(sin_cos, path.second[0], second);
-        let difference = p2 - p1;
-        let length = difference.norm_squared().sqrt();
-        let inverse = length.recip();
-        // The motions of the ends, but for the sign of a joint that is crossed downward.
-        let (motion1, motion2) = (axis1.cross(arm1), axis2.cross(arm2));
-        let signed = |value: S, positive: bool| if positive { value } else { -value };
-        out.length += length;
-        out.length_dq.push(signed(difference.dot(motion1) * inverse, !up1));
-        out.length_dq.push(signed(difference.dot(motion2) * inverse, up2));
-        if order == Order::Second {
-            out.inverse.push(inverse);
-            out.squares.push(axis1.cross(arm1 + difference).dot(motion1));
-            out.squares.push(signed(motion1.dot(motion2), up1 != up2));
-            out.squares.push(axis2.cross(arm2 - difference).dot(motion2));
-        }
-    }
-
-    /// Takes a point over a hinge: its axis, the arm, the point beyond, and whether it went up.
-    #[inline(always)]
-    fn over_hinge(
-        &self,
-        sin_cos: &[(S, S)],
-        step: PathStep,
-        p: Vec3<S>,
-    ) -> (&Axis<S>, Vec3<S>, Vec3<S>, bool) {
-        let link = step.link() as usize;
-        let joint = &self.numbers.joints[link];
-        let (s, c) = sin_cos[link];
-        match step {
-            PathStep::Up(_) => {
-                let arm = rotate_vector(&joint.axis, (s, c), p);
-                (&joint.axis, arm, arm + joint.origin, true)
-            }
-            PathStep::Down(_) => {
-                let mut p = p - joint.origin;
-                if let Some(rotation) = &joint.rotation {
-                    p = rotation.transpose_mul(p);
-                }
-                let arm = rotate_vector(&joint.axis, (-s, c), p);
-                (&joint.axis, arm, arm, false)
             }
         }
     }
