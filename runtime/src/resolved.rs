@@ -48,6 +48,28 @@ impl<S: Scalar> Axis<S> {
             Axis::General(a) => a.cross(v),
         }
     }
+    /// Axis · (u × v).
+    #[inline]
+    pub fn triple(&self, u: Vec3<S>, v: Vec3<S>) -> S {
+        let ([a, b, c], [x, y, z]) = (u.0, v.0);
+        match *self {
+            Axis::X => b * z - c * y,
+            Axis::Y => c * x - a * z,
+            Axis::Z => a * y - b * x,
+            Axis::General(axis) => axis.dot(u.cross(v)),
+        }
+    }
+    /// (Axis × u) · (axis × v).
+    #[inline]
+    pub fn across(&self, u: Vec3<S>, v: Vec3<S>) -> S {
+        let ([a, b, c], [x, y, z]) = (u.0, v.0);
+        match *self {
+            Axis::X => b * y + c * z,
+            Axis::Y => c * z + a * x,
+            Axis::Z => a * x + b * y,
+            Axis::General(axis) => axis.cross(u).dot(axis.cross(v)),
+        }
+    }
     /// Axis · v.
     #[inline]
     pub fn dot(&self, v: Vec3<S>) -> S {
@@ -170,8 +192,8 @@ pub struct Resolved<S> {
     pub runs: Vec<ResolvedRun<S>>,
     /// Strands.
     pub strands: Vec<ResolvedStrand<S>>,
-    /// Coordinates.
-    pub coordinates: Vec<ResolvedCoordinate<S>>,
+    /// What acts on a coordinate alone, and on which.
+    pub coordinates: Vec<(usize, ResolvedCoordinate<S>)>,
 }
 
 impl<S: Scalar> Resolved<S> {
@@ -211,8 +233,9 @@ impl<S: Scalar> Resolved<S> {
             .collect();
         resolved.strands =
             mechanism.strands.iter().map(|s| resolved.strand(mechanism, s)).collect();
-        resolved.coordinates =
-            mechanism.coordinates.iter().map(|c| resolved.coordinate(c)).collect();
+        let coordinates = mechanism.coordinates.iter().enumerate();
+        let coordinates = coordinates.filter_map(|(i, c)| Some((i, resolved.coordinate(c)?)));
+        resolved.coordinates = coordinates.collect();
         resolved
     }
 
@@ -390,15 +413,16 @@ impl<S: Scalar> Resolved<S> {
         }
         ResolvedStrand { stiffness: self.number(strand.stiffness), constant_length, segments }
     }
-    fn coordinate(&self, c: &crate::mechanism::Coordinate) -> ResolvedCoordinate<S> {
+    fn coordinate(&self, c: &crate::mechanism::Coordinate) -> Option<ResolvedCoordinate<S>> {
         let some = |n: Number| (!n.is_zero()).then(|| self.number(n));
-        ResolvedCoordinate {
+        let is_free = c.damping.is_zero() && c.stiffness.is_zero() && c.limit_stiffness.is_zero();
+        (!is_free).then(|| ResolvedCoordinate {
             damping: some(c.damping),
             spring: some(c.stiffness).map(|k| (k, self.number(c.rest))),
             stops: some(c.limit_stiffness)
                 .zip(c.limits)
                 .map(|(k, [low, high])| (k, self.number(low), self.number(high))),
-        }
+        })
     }
 }
 

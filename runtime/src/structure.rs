@@ -74,6 +74,17 @@ pub struct Tree {
     pub trunk: Vec<u32>,
 }
 
+/// Where the entries (i, j) and (j, i) of a packed matrix stand, as their even and odd part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pair {
+    /// Slot below the diagonal.
+    pub even: usize,
+    /// Slot above it.
+    pub odd: usize,
+    /// Whether (i, j) is the one above.
+    pub is_above: bool,
+}
+
 /// A planar run; see [`crate::run`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
@@ -83,6 +94,10 @@ pub struct Run {
     pub parent: Option<u32>,
     /// Links from the parent to the root.
     pub ancestors: Vec<u32>,
+    /// Pairs of links (i, j), j ≤ i; `None` if a coordinate is kinematic.
+    pub inner: Vec<Option<Pair>>,
+    /// Pairs of a link, tip first, and an ancestor, ancestor by ancestor.
+    pub outer: Vec<Option<Pair>>,
 }
 
 /// The shape of a mechanism.
@@ -157,7 +172,23 @@ impl Structure {
         structure.mark_world_links(mechanism);
         structure.find_blocks(mechanism);
         structure.find_strand_slots();
+        structure.find_run_pairs();
         structure
+    }
+
+    fn find_run_pairs(&mut self) {
+        let mut runs = std::mem::take(&mut self.runs);
+        for run in &mut runs {
+            let pair = |a: &u32, b: &u32| {
+                self.pair(self.coordinate_of[*a as usize], self.coordinate_of[*b as usize])
+            };
+            let links = &run.links;
+            let inner = links.iter().enumerate();
+            run.inner = inner.flat_map(|(i, a)| links[..=i].iter().map(|b| pair(a, b))).collect();
+            let outer = run.ancestors.iter();
+            run.outer = outer.flat_map(|b| links.iter().rev().map(|a| pair(a, b))).collect();
+        }
+        self.runs = runs;
     }
 
     fn find_strand_slots(&mut self) {
@@ -204,6 +235,14 @@ impl Structure {
         Some(block.matrix_offset + row * block.coordinates.len() + column)
     }
 
+    /// Where (i, j) and (j, i) stand in a packed matrix.
+    #[inline]
+    pub fn pair(&self, i: usize, j: usize) -> Option<Pair> {
+        let (slot, mirrored) = (self.slot(i, j)?, self.slot(j, i)?);
+        let (even, odd) = (slot.max(mirrored), slot.min(mirrored));
+        Some(Pair { even, odd, is_above: slot < mirrored })
+    }
+
     /// Position of (row, coordinate) in a packed constraint Jacobian.
     #[inline]
     pub fn row_slot(&self, row: usize, coordinate: usize) -> Option<usize> {
@@ -218,7 +257,8 @@ impl Structure {
     fn find_runs(&self, mechanism: &Mechanism) -> Vec<Run> {
         let runs = find_runs(mechanism).into_iter().map(|links| {
             let parent = self.parents[links[0] as usize];
-            Run { links, parent, ancestors: self.chain(parent) }
+            let (inner, outer) = (Vec::new(), Vec::new());
+            Run { links, parent, ancestors: self.chain(parent), inner, outer }
         });
         runs.collect()
     }

@@ -401,7 +401,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 terms.add(self.structure, row, row, even);
             } else {
                 let odd = half * (s.dot(&e) - s_dot.dot(&f));
-                terms.add_pair(self.structure, row, column, even, odd);
+                terms.add_pair(self.structure.pair(row, column), even, odd);
             }
             at = self.structure.parents[k as usize];
         }

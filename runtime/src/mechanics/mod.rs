@@ -20,7 +20,7 @@ pub mod world;
 
 use crate::mechanism::Mechanism;
 use crate::resolved::Resolved;
-use crate::structure::Structure;
+use crate::structure::{Pair, Structure};
 use handc_core::scalar::Scalar;
 
 /// A mechanism ready to be evaluated over the scalar `S`.
@@ -70,15 +70,10 @@ impl<S: Scalar> Terms<'_, S> {
     }
     /// Adds `even + odd` at (i, j) and `even − odd` at (j, i), before [`Terms::unfold`].
     #[inline]
-    fn add_pair(&mut self, structure: &Structure, i: usize, j: usize, even: S, odd: S) {
-        let Some((_, matrix)) = &mut self.matrix else { return };
-        let Some((lower, upper)) = structure.slot(i, j).zip(structure.slot(j, i)) else { return };
-        if lower >= upper {
-            matrix[lower] += even;
-            matrix[upper] += odd;
-        } else {
-            matrix[upper] += even;
-            matrix[lower] -= odd;
+    fn add_pair(&mut self, pair: Option<Pair>, even: S, odd: S) {
+        if let (Some((_, matrix)), Some(pair)) = (&mut self.matrix, pair) {
+            matrix[pair.even] += even;
+            matrix[pair.odd] += if pair.is_above { -odd } else { odd };
         }
     }
     /// Turns even parts below the diagonals and odd parts above them into the matrix. What is even

@@ -110,17 +110,19 @@ impl<S: Scalar> Segments<S> {
             return;
         }
         let inverse = length.recip();
-        // The motions of the ends, but for the sign of a joint that carries the middle instead.
-        let (motion1, motion2) = (first.axis.cross(arm1), second.axis.cross(arm2));
         let signed = |value: S, positive: bool| if positive { value } else { -value };
-        self.length_dq.push(signed(difference.dot(motion1) * inverse, !first.is_carried));
-        self.length_dq.push(signed(difference.dot(motion2) * inverse, second.is_carried));
+        // P·r, but for the sign of a joint that carries the middle instead.
+        let (lever1, lever2) =
+            (first.axis.triple(arm1, difference), second.axis.triple(arm2, difference));
+        self.length_dq.push(signed(lever1 * inverse, !first.is_carried));
+        self.length_dq.push(signed(lever2 * inverse, second.is_carried));
         if order == Order::Second {
             let opposite = first.is_carried != second.is_carried;
             self.inverse.push(inverse);
-            self.squares.push(first.axis.cross(arm1 + difference).dot(motion1));
-            self.squares.push(signed(motion1.dot(motion2), opposite));
-            self.squares.push(second.axis.cross(arm2 - difference).dot(motion2));
+            let motions = first.axis.cross(arm1).dot(second.axis.cross(arm2));
+            self.squares.push(first.axis.across(arm1 + difference, arm1));
+            self.squares.push(signed(motions, opposite));
+            self.squares.push(second.axis.across(arm2 - difference, arm2));
         }
     }
 }

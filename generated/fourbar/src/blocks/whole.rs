@@ -44,8 +44,8 @@ pub fn evaluate(
     let crank_7 = 9.81 * cos_crank;
     let crank_8 = crank_3 * (9.81 * sin_crank);
     force[coordinate::CRANK] = neg_mul_add(
-        0.005000000000000001 + crank_2,
         crank_7,
+        0.005000000000000001 + crank_2,
         crank_8,
     );
     force[coordinate::COUPLER] = neg_mul_add(
@@ -98,7 +98,7 @@ pub fn evaluate_with_matrix(
     let crank_8 = 9.81 * cos_crank;
     let crank_9 = 9.81 * sin_crank;
     let crank_10 = crank_3 * crank_9;
-    force[coordinate::CRANK] = neg_mul_add(crank_7, crank_8, crank_10);
+    force[coordinate::CRANK] = neg_mul_add(crank_8, crank_7, crank_10);
     let coupler_2 = crank_5 * crank_3;
     let coupler_3 = 0.1 * v_crank;
     force[coordinate::COUPLER] = neg_mul_add(
@@ -114,7 +114,7 @@ pub fn evaluate_with_matrix(
     matrix[0] = mul_add(
         -0.003909999999999999 - crank_4,
         crank_11,
-        crank_13 * mul_add(crank_7, crank_9, crank_12),
+        crank_13 * mul_add(crank_9, crank_7, crank_12),
     );
     let crank_14 = crank_11
         * mul_add(0.034999999999999996, crank_1, -0.0035758333333333323 - crank_4);

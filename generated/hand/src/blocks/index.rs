@@ -15,7 +15,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-/// 360 operations: 37 sums, 95 products, 103 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
+/// 325 operations: 44 sums, 93 products, 83 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -39,107 +39,76 @@ pub fn evaluate(
     let rest_index_edc = rest[strand::INDEX_EDC];
     let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
     let rest_index_band = rest[strand::INDEX_BAND];
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_ab_1 = mul_sub(
-        cos_index_pip,
-        cos_index_dip,
-        sin_index_pip * sin_index_dip,
-    );
-    let index_ab_2 = mul_add(0.0224, cos_index_pip, 0.039799999999999995);
-    let index_ab_3 = mul_add(0.0079, index_ab_1, index_ab_2);
-    let index_ab_4 = 0.0026754431356501404 * index_ab_3;
-    let index_ab_5 = mul_add(
-        sin_index_pip,
-        cos_index_dip,
-        cos_index_pip * sin_index_dip,
-    );
-    let index_ab_6 = neg_mul_add(
-        index_ab_5,
-        2.2883956953594213e-8 * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, 8.843231377702265e-8),
-    );
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_7 = v_index_ab * cos_index_mcp;
-    let index_ab_8 = 0.0224 * sin_index_pip;
-    let index_ab_9 = mul_add(0.0079, index_ab_5, index_ab_8);
-    let index_ab_10 = 2.2883956953594213e-8 * index_ab_1;
-    let index_ab_11 = mul_add(index_ab_9, index_ab_4, index_ab_5 * index_ab_10);
-    let index_ab_12 = v_index_ab * sin_index_mcp;
-    let index_ab_13 = neg_mul_add(index_ab_12, index_ab_11, index_ab_7 * index_ab_6);
-    let index_ab_14 = mul_add(0.0112, cos_index_pip, 0.039799999999999995);
-    let index_ab_15 = 0.0049541659510049605 * index_ab_14;
-    let index_ab_16 = neg_mul_add(
-        sin_index_pip,
-        1.2788353708194133e-7 * sin_index_pip,
-        mul_add(index_ab_14, index_ab_15, 2.8641684751410007e-7),
-    );
-    let index_ab_17 = 0.0112 * sin_index_pip;
-    let index_ab_18 = 1.2788353708194133e-7 * cos_index_pip;
-    let index_ab_19 = mul_add(index_ab_17, index_ab_15, sin_index_pip * index_ab_18);
-    let index_ab_20 = neg_mul_add(index_ab_12, index_ab_19, index_ab_7 * index_ab_16)
-        + index_ab_13;
-    let index_ab_21 = mul_add(6.108011569195822e-6, index_ab_7, index_ab_20);
-    let index_ab_22 = 0.0026754431356501404 * index_ab_9;
-    let index_ab_23 = index_ab_9 * index_ab_22;
-    let index_ab_24 = neg_mul_add(
-        index_ab_12,
-        neg_mul_add(index_ab_1, index_ab_10, 8.843231377702265e-8 + index_ab_23),
-        index_ab_7 * index_ab_11,
-    );
-    let index_ab_25 = 5.5486658651255556e-5 * sin_index_pip;
-    let index_ab_26 = index_ab_17 * index_ab_25;
-    let index_ab_27 = neg_mul_add(
-        index_ab_12,
-        neg_mul_add(cos_index_pip, index_ab_18, 2.8641684751410007e-7 + index_ab_26),
-        index_ab_7 * index_ab_19,
-    );
-    let index_ab_28 = index_ab_27 + index_ab_24;
-    let index_ab_29 = neg_mul_add(4.511964479704354e-7, index_ab_12, index_ab_28);
-    momentum[coordinate::INDEX_AB] = neg_mul_add(
+    let index_ab_1 = mul_add(
         sin_index_mcp,
-        index_ab_29,
-        cos_index_mcp * index_ab_21,
+        cos_index_pip,
+        cos_index_mcp * sin_index_pip,
     );
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_ab_2 = mul_sub(
+        cos_index_mcp,
+        cos_index_pip,
+        sin_index_mcp * sin_index_pip,
+    );
+    let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
+    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
+    let index_ab_5 = 0.0224 * index_ab_2;
+    let index_ab_6 = 2.0917644617198177e-6 * index_ab_1;
+    let index_ab_7 = mul_add(
+        2.0,
+        index_ab_5 * index_ab_4,
+        neg_mul_add(index_ab_1, index_ab_6, 1.0458822308599088e-6),
+    );
+    let index_ab_8 = 0.0001154165848898187 * index_ab_2;
+    let index_ab_9 = 0.039799999999999995 * cos_index_mcp;
+    let index_ab_10 = 1.7742421098850526e-5 * sin_index_mcp;
+    let index_ab_11 = mul_add(
+        2.0,
+        index_ab_9 * (index_ab_8 + index_ab_4),
+        neg_mul_add(sin_index_mcp, index_ab_10, 8.871210549425263e-6),
+    );
+    let index_ab_12 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
+    let index_ab_13 = 1.8985836304951953e-7 * index_ab_12;
+    let index_ab_14 = neg_mul_add(index_ab_12, index_ab_13, 9.492918152475976e-8)
+        + (1.0687300077035954e-5 + index_ab_11 + index_ab_7);
+    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_14;
     let index_mcp_1 = v_index_mcp + v_index_pip;
     let index_mcp_2 = v_index_dip + index_mcp_1;
-    let index_mcp_3 = 0.039799999999999995 * v_index_pip;
-    let index_mcp_4 = mul_add(v_index_dip, index_ab_2, index_mcp_3);
-    let index_mcp_5 = v_index_dip * index_ab_8;
-    let index_mcp_6 = mul_sub(
+    let index_mcp_3 = index_mcp_2 * index_ab_4;
+    let index_mcp_4 = 2.113600077163611e-5 * index_ab_12;
+    let index_mcp_5 = index_mcp_2 * index_mcp_4;
+    let index_mcp_6 = 0.0224 * index_ab_1;
+    let index_mcp_7 = v_index_mcp * index_ab_9;
+    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
+    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_10 = v_index_mcp * index_mcp_9;
+    let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
+        + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_8);
+    let index_mcp_12 = index_mcp_1 * index_ab_5;
+    let index_mcp_13 = index_mcp_7 + index_mcp_12;
+    let index_mcp_14 = index_mcp_1 * index_mcp_6;
+    let index_mcp_15 = index_mcp_10 + index_mcp_14;
+    let index_mcp_16 = mul_add(
+        2.5540671987294797e-7,
         index_mcp_2,
-        8.843231377702265e-8 + mul_add(index_ab_3, index_ab_4, index_ab_23),
-        mul_add(index_mcp_5, index_ab_22, index_mcp_4 * index_ab_4),
+        mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
     );
-    let index_mcp_7 = mul_sub(
-        index_mcp_1,
-        2.8641684751410007e-7 + mul_add(index_ab_14, index_ab_15, index_ab_26),
-        index_mcp_3 * index_ab_15,
-    );
-    let index_mcp_8 = index_mcp_7 + index_mcp_6;
-    momentum[coordinate::INDEX_MCP] = mul_add(
-        6.108011569195822e-6,
+    let index_mcp_17 = index_mcp_16
+        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
+    let index_mcp_18 = index_mcp_1 * index_ab_8;
+    let index_mcp_19 = index_mcp_18 + index_mcp_3;
+    let index_mcp_20 = index_mcp_1 * index_mcp_8;
+    let index_mcp_21 = index_mcp_20 + index_mcp_5;
+    let index_mcp_22 = mul_add(
+        1.8193617546820962e-5,
         v_index_mcp,
-        index_mcp_8,
+        mul_add(index_mcp_9, index_mcp_21, index_ab_9 * index_mcp_19),
     );
-    let index_pip_1 = mul_sub(
-        0.0026754431356501404,
-        index_mcp_4,
-        index_mcp_2 * index_ab_4,
-    );
-    momentum[coordinate::INDEX_PIP] = mul_add(
-        0.039799999999999995,
-        mul_sub(0.0001971758048499974, v_index_pip, index_mcp_1 * index_ab_15)
-            + index_pip_1,
-        index_mcp_8,
-    );
-    let index_dip_1 = mul_sub(
-        0.0026754431356501404,
-        index_mcp_5,
-        index_mcp_2 * index_ab_22,
-    );
-    momentum[coordinate::INDEX_DIP] = index_mcp_6
-        + mul_add(index_ab_8, index_dip_1, index_ab_2 * index_pip_1);
+    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
+    momentum[coordinate::INDEX_PIP] = index_mcp_17;
+    momentum[coordinate::INDEX_DIP] = index_mcp_16;
     let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
     let index_fdp_2 = mul_add(
@@ -162,21 +131,20 @@ pub fn evaluate(
     );
     let index_fdp_8 = sqrt(index_fdp_7);
     let index_fdp_9 = 1.0 / index_fdp_8;
-    let index_fdp_10 = index_fdp_3 * index_fdp_9;
-    let index_fdp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.1487999999999994e-5, cos_index_pip, 0.000172672 * sin_index_pip),
-        0.000354510464,
+    let index_fdp_10 = sqrt(
+        0.000354510464
+            - neg_mul_add(
+                6.297599999999999e-5,
+                cos_index_pip,
+                0.000345344 * sin_index_pip,
+            ),
     );
-    let index_fdp_12 = sqrt(index_fdp_11);
-    let index_fdp_13 = neg_mul_add(
-        2.0,
-        mul_add(7.315840000000005e-6, cos_index_dip, 7.6342e-5 * sin_index_dip),
-        0.00015491888400000003,
+    let index_fdp_11 = sqrt(
+        0.00015491888400000003
+            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
     );
-    let index_fdp_14 = sqrt(index_fdp_13);
-    let index_fdp_15 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_12 + index_fdp_14
+    let index_fdp_12 = k_flexor
+        * (0.12972844537042483 + index_fdp_8 + index_fdp_10 + index_fdp_11
             - rest_index_fdp);
     let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
     let index_edc_2 = mul_add(
@@ -199,32 +167,22 @@ pub fn evaluate(
     );
     let index_edc_8 = sqrt(index_edc_7);
     let index_edc_9 = 1.0 / index_edc_8;
-    let index_edc_10 = index_edc_3 * index_edc_9;
-    let index_edc_11 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_index_pip,
-            3.6000000000000014e-5 * sin_index_pip,
-        ),
-        0.00016999999999999999,
+    let index_edc_10 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_index_pip,
+                7.200000000000003e-5 * sin_index_pip,
+            ),
     );
-    let index_edc_12 = sqrt(index_edc_11);
-    let index_edc_13 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_12 - rest_index_edc);
-    let index_edc_14 = neg_mul_add(
-        index_edc_4,
-        index_edc_10,
-        index_edc_2 * (index_edc_4 * index_edc_9),
-    ) * index_edc_13;
-    let index_ab_30 = mul_add(
-        neg_mul_add(
-            index_fdp_4,
-            index_fdp_10,
-            index_fdp_2 * (index_fdp_4 * index_fdp_9),
-        ),
-        index_fdp_15,
-        index_edc_14,
+    let index_edc_11 = k_extensor
+        * (0.14993665655140606 + index_edc_8 + index_edc_10 - rest_index_edc);
+    let index_edc_12 = index_edc_9
+        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3) * index_edc_11;
+    let index_ab_15 = mul_add(
+        index_fdp_9 * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3),
+        index_fdp_12,
+        index_edc_12,
     );
     let index_interosseous_1 = neg_mul_add(
         0.008000000000000004,
@@ -254,17 +212,17 @@ pub fn evaluate(
     );
     let index_interosseous_11 = sqrt(index_interosseous_10);
     let index_interosseous_12 = 1.0 / index_interosseous_11;
-    let index_interosseous_13 = index_interosseous_4 * index_interosseous_12;
-    let index_interosseous_14 = k_intrinsic
+    let index_interosseous_13 = k_intrinsic
         * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
-    let index_ab_31 = mul_add(
-        neg_mul_add(
-            index_interosseous_5,
-            index_interosseous_13,
-            index_interosseous_1 * (index_interosseous_6 * index_interosseous_12),
-        ),
-        index_interosseous_14,
-        index_ab_30,
+    let index_ab_16 = mul_add(
+        index_interosseous_12
+            * mul_sub(
+                index_interosseous_1,
+                index_interosseous_6,
+                index_interosseous_5 * index_interosseous_4,
+            ),
+        index_interosseous_13,
+        index_ab_15,
     );
     let index_band_1 = neg_mul_add(0.005, sin_index_mcp, index_interosseous_2);
     let index_band_2 = mul_add(
@@ -288,117 +246,120 @@ pub fn evaluate(
     );
     let index_band_9 = sqrt(index_band_8);
     let index_band_10 = 1.0 / index_band_9;
-    let index_band_11 = index_band_3 * index_band_10;
-    let index_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_index_pip,
-            3.600000000000002e-5 * sin_index_pip,
-        ),
-        9.000000000000003e-5,
+    let index_band_11 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_index_pip,
+                7.200000000000004e-5 * sin_index_pip,
+            ),
     );
-    let index_band_13 = sqrt(index_band_12);
-    let index_band_14 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_index_dip, 2.5999999999999988e-5 * sin_index_dip),
-        9.649999999999999e-5,
+    let index_band_12 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_index_dip, 5.1999999999999976e-5 * sin_index_dip),
     );
-    let index_band_15 = sqrt(index_band_14);
-    let index_band_16 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_13 + index_band_15
+    let index_band_13 = k_intrinsic
+        * (0.09421199494172741 + index_band_9 + index_band_11 + index_band_12
             - rest_index_band);
     force[coordinate::INDEX_AB] = mul_sub(
-        mul_add(
-            index_band_4,
-            index_band_11,
-            index_band_2 * (index_band_5 * index_band_10),
-        ),
-        index_band_16,
-        index_ab_31,
+        index_band_10 * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3),
+        index_band_13,
+        index_ab_16,
     );
-    let index_mcp_9 = mul_sub(
-        mul_add(index_fdp_5, index_fdp_10, index_fdp_1 * (index_fdp_6 * index_fdp_9)),
-        index_fdp_15,
-        mul_add(index_ab_7, index_ab_29, index_ab_12 * index_ab_21),
+    let index_mcp_23 = v_index_ab * index_ab_4;
+    let index_mcp_24 = neg_mul_add(
+        v_index_ab * index_mcp_6,
+        index_mcp_23,
+        neg_mul_add(index_mcp_14, index_mcp_3, index_mcp_12 * index_mcp_5),
     );
-    let index_mcp_10 = neg_mul_add(
-        mul_sub(index_edc_5, index_edc_10, index_edc_1 * (index_edc_6 * index_edc_9)),
-        index_edc_13,
-        index_mcp_9,
+    let index_mcp_25 = v_index_ab * index_ab_9;
+    let index_mcp_26 = neg_mul_add(
+        index_mcp_25,
+        v_index_ab * index_mcp_8,
+        neg_mul_add(index_mcp_7, index_mcp_20, index_mcp_10 * index_mcp_18),
     );
-    let index_mcp_11 = mul_add(
-        mul_add(
-            index_interosseous_8,
-            index_interosseous_13,
-            index_interosseous_3 * (index_interosseous_9 * index_interosseous_12),
-        ),
-        index_interosseous_14,
-        index_mcp_10,
+    let index_mcp_27 = v_index_ab * v_index_ab;
+    let index_mcp_28 = neg_mul_add(
+        mul_add(v_index_ab, index_ab_5, index_mcp_25),
+        v_index_ab * index_mcp_4,
+        neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
+    );
+    let index_mcp_29 = neg_mul_add(index_ab_3 * index_ab_13, index_mcp_27, index_mcp_28);
+    let index_mcp_30 = index_mcp_29
+        + neg_mul_add(
+            index_ab_2 * index_ab_6,
+            index_mcp_27,
+            index_mcp_24 + index_mcp_26,
+        );
+    let index_mcp_31 = neg_mul_add(
+        v_index_ab * index_mcp_9,
+        mul_add(v_index_ab, index_ab_8, index_mcp_23),
+        neg_mul_add(index_mcp_10, index_mcp_19, index_mcp_7 * index_mcp_21),
+    );
+    let index_mcp_32 = mul_add(
+        index_fdp_9 * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6),
+        index_fdp_12,
+        index_mcp_30
+            + neg_mul_add(cos_index_mcp * index_ab_10, index_mcp_27, index_mcp_31),
+    );
+    let index_mcp_33 = neg_mul_add(
+        index_edc_9 * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6),
+        index_edc_11,
+        index_mcp_32,
+    );
+    let index_mcp_34 = mul_add(
+        index_interosseous_12
+            * mul_add(
+                index_interosseous_8,
+                index_interosseous_4,
+                index_interosseous_3 * index_interosseous_9,
+            ),
+        index_interosseous_13,
+        index_mcp_33,
     );
     force[coordinate::INDEX_MCP] = mul_add(
-        mul_add(
-            index_band_6,
-            index_band_11,
-            index_band_1 * (index_band_7 * index_band_10),
-        ),
-        index_band_16,
-        index_mcp_11,
+        index_band_10 * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7),
+        index_band_13,
+        index_mcp_34,
     );
-    let index_pip_2 = mul_sub(index_ab_12, index_ab_22, index_ab_7 * index_ab_4);
-    let index_pip_3 = 0.039799999999999995 * index_ab_12
-        * (mul_sub(index_ab_12, index_ab_25, index_ab_7 * index_ab_15) + index_pip_2);
-    let index_pip_4 = mul_sub(
-        0.039799999999999995 * v_index_mcp,
-        neg_mul_add(index_mcp_1, index_ab_25, index_dip_1),
-        index_pip_3,
-    );
-    let index_fdp_16 = mul_add(
+    let index_fdp_13 = mul_add(
         3.1487999999999994e-5,
         sin_index_pip,
         0.000172672 * cos_index_pip,
-    ) / index_fdp_12;
-    let index_pip_5 = mul_add(
-        index_fdp_16,
-        index_fdp_15,
-        index_pip_4 - mul_add(index_ab_7, index_ab_28, index_ab_12 * index_ab_20),
-    );
-    let index_edc_15 = mul_add(
+    ) / index_fdp_10;
+    let index_edc_13 = mul_add(
         7.699999999999999e-5,
         sin_index_pip,
         3.6000000000000014e-5 * cos_index_pip,
-    ) / index_edc_12;
-    let index_band_17 = mul_add(
+    ) / index_edc_10;
+    let index_band_14 = mul_add(
         2.6999999999999985e-5,
         sin_index_pip,
         3.600000000000002e-5 * cos_index_pip,
-    ) / index_band_13;
+    ) / index_band_11;
     force[coordinate::INDEX_PIP] = neg_mul_add(
-        index_band_17,
-        index_band_16,
-        neg_mul_add(index_edc_15, index_edc_13, index_pip_5),
+        index_band_14,
+        index_band_13,
+        neg_mul_add(
+            index_edc_13,
+            index_edc_11,
+            mul_add(index_fdp_13, index_fdp_12, index_mcp_30),
+        ),
     );
-    let index_dip_2 = mul_sub(
-        mul_sub(index_ab_2, index_mcp_1, index_mcp_3),
-        index_dip_1,
-        mul_add(index_ab_8, index_ab_7, index_ab_2 * index_ab_12) * index_pip_2,
-    );
-    let index_dip_3 = neg_mul_add(index_ab_8 * index_mcp_1, index_pip_1, index_dip_2)
-        - mul_add(index_ab_7, index_ab_24, index_ab_12 * index_ab_13);
-    let index_fdp_17 = mul_sub(
+    let index_fdp_14 = mul_sub(
         7.315840000000005e-6,
         sin_index_dip,
         7.6342e-5 * cos_index_dip,
-    ) / index_fdp_14;
-    let index_band_18 = mul_add(
+    ) / index_fdp_11;
+    let index_band_15 = mul_add(
         3.825e-5,
         sin_index_dip,
         2.5999999999999988e-5 * cos_index_dip,
-    ) / index_band_15;
+    ) / index_band_12;
     force[coordinate::INDEX_DIP] = neg_mul_add(
-        index_band_18,
-        index_band_16,
-        neg_mul_add(index_fdp_17, index_fdp_15, index_dip_3),
+        index_band_15,
+        index_band_13,
+        neg_mul_add(index_fdp_14, index_fdp_12, index_mcp_29),
     );
 }
 
@@ -410,7 +371,7 @@ pub fn evaluate(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-/// 790 operations: 83 sums, 206 products, 239 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
+/// 619 operations: 96 sums, 194 products, 153 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate_with_matrix(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -436,115 +397,73 @@ pub fn evaluate_with_matrix(
     let rest_index_edc = rest[strand::INDEX_EDC];
     let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
     let rest_index_band = rest[strand::INDEX_BAND];
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_ab_1 = mul_sub(
-        cos_index_pip,
-        cos_index_dip,
-        sin_index_pip * sin_index_dip,
-    );
-    let index_ab_2 = mul_add(0.0224, cos_index_pip, 0.039799999999999995);
-    let index_ab_3 = mul_add(0.0079, index_ab_1, index_ab_2);
-    let index_ab_4 = 0.0026754431356501404 * index_ab_3;
-    let index_ab_5 = mul_add(
-        sin_index_pip,
-        cos_index_dip,
-        cos_index_pip * sin_index_dip,
-    );
-    let index_ab_6 = neg_mul_add(
-        index_ab_5,
-        2.2883956953594213e-8 * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, 8.843231377702265e-8),
-    );
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_7 = v_index_ab * cos_index_mcp;
-    let index_ab_8 = 0.0224 * sin_index_pip;
-    let index_ab_9 = mul_add(0.0079, index_ab_5, index_ab_8);
-    let index_ab_10 = 2.2883956953594213e-8 * index_ab_1;
-    let index_ab_11 = mul_add(index_ab_9, index_ab_4, index_ab_5 * index_ab_10);
-    let index_ab_12 = v_index_ab * sin_index_mcp;
-    let index_ab_13 = index_ab_12 * index_ab_11;
-    let index_ab_14 = mul_sub(index_ab_7, index_ab_6, index_ab_13);
-    let index_ab_15 = mul_add(0.0112, cos_index_pip, 0.039799999999999995);
-    let index_ab_16 = 0.0049541659510049605 * index_ab_15;
-    let index_ab_17 = neg_mul_add(
-        sin_index_pip,
-        1.2788353708194133e-7 * sin_index_pip,
-        mul_add(index_ab_15, index_ab_16, 2.8641684751410007e-7),
-    );
-    let index_ab_18 = 0.0112 * sin_index_pip;
-    let index_ab_19 = 1.2788353708194133e-7 * cos_index_pip;
-    let index_ab_20 = mul_add(index_ab_18, index_ab_16, sin_index_pip * index_ab_19);
-    let index_ab_21 = neg_mul_add(index_ab_12, index_ab_20, index_ab_7 * index_ab_17)
-        + index_ab_14;
-    let index_ab_22 = mul_add(6.108011569195822e-6, index_ab_7, index_ab_21);
-    let index_ab_23 = 0.0026754431356501404 * index_ab_9;
-    let index_ab_24 = index_ab_9 * index_ab_23;
-    let index_ab_25 = neg_mul_add(
-        index_ab_1,
-        index_ab_10,
-        8.843231377702265e-8 + index_ab_24,
-    );
-    let index_ab_26 = index_ab_7 * index_ab_11;
-    let index_ab_27 = neg_mul_add(index_ab_12, index_ab_25, index_ab_26);
-    let index_ab_28 = 5.5486658651255556e-5 * sin_index_pip;
-    let index_ab_29 = index_ab_18 * index_ab_28;
-    let index_ab_30 = neg_mul_add(
-        cos_index_pip,
-        index_ab_19,
-        2.8641684751410007e-7 + index_ab_29,
-    );
-    let index_ab_31 = neg_mul_add(index_ab_12, index_ab_30, index_ab_7 * index_ab_20)
-        + index_ab_27;
-    let index_ab_32 = neg_mul_add(4.511964479704354e-7, index_ab_12, index_ab_31);
-    momentum[coordinate::INDEX_AB] = neg_mul_add(
+    let index_ab_1 = mul_add(
         sin_index_mcp,
-        index_ab_32,
-        cos_index_mcp * index_ab_22,
+        cos_index_pip,
+        cos_index_mcp * sin_index_pip,
     );
-    let index_mcp_1 = 8.843231377702265e-8
-        + mul_add(index_ab_3, index_ab_4, index_ab_24);
-    let index_mcp_2 = v_index_mcp + v_index_pip;
-    let index_mcp_3 = v_index_dip + index_mcp_2;
-    let index_mcp_4 = 0.039799999999999995 * v_index_pip;
-    let index_mcp_5 = mul_add(v_index_dip, index_ab_2, index_mcp_4);
-    let index_mcp_6 = v_index_dip * index_ab_8;
-    let index_mcp_7 = mul_sub(
-        index_mcp_3,
-        index_mcp_1,
-        mul_add(index_mcp_6, index_ab_23, index_mcp_5 * index_ab_4),
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_ab_2 = mul_sub(
+        cos_index_mcp,
+        cos_index_pip,
+        sin_index_mcp * sin_index_pip,
     );
-    let index_mcp_8 = 2.8641684751410007e-7
-        + mul_add(index_ab_15, index_ab_16, index_ab_29);
-    let index_mcp_9 = mul_sub(index_mcp_2, index_mcp_8, index_mcp_4 * index_ab_16)
-        + index_mcp_7;
-    momentum[coordinate::INDEX_MCP] = mul_add(
-        6.108011569195822e-6,
+    let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
+    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
+    let index_ab_5 = 0.0224 * index_ab_2;
+    let index_ab_6 = index_ab_5 * index_ab_4;
+    let index_ab_7 = 2.0917644617198177e-6 * index_ab_1;
+    let index_ab_8 = neg_mul_add(index_ab_1, index_ab_7, 1.0458822308599088e-6);
+    let index_ab_9 = 0.0001154165848898187 * index_ab_2;
+    let index_ab_10 = index_ab_9 + index_ab_4;
+    let index_ab_11 = 0.039799999999999995 * cos_index_mcp;
+    let index_ab_12 = 1.7742421098850526e-5 * sin_index_mcp;
+    let index_ab_13 = neg_mul_add(sin_index_mcp, index_ab_12, 8.871210549425263e-6);
+    let index_ab_14 = 1.0687300077035954e-5
+        + mul_add(2.0, index_ab_11 * index_ab_10, index_ab_13)
+        + mul_add(2.0, index_ab_6, index_ab_8);
+    let index_ab_15 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
+    let index_ab_16 = 1.8985836304951953e-7 * index_ab_15;
+    let index_ab_17 = neg_mul_add(index_ab_15, index_ab_16, 9.492918152475976e-8);
+    let index_ab_18 = index_ab_17 + index_ab_14;
+    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_18;
+    let index_mcp_1 = v_index_mcp + v_index_pip;
+    let index_mcp_2 = v_index_dip + index_mcp_1;
+    let index_mcp_3 = index_mcp_2 * index_ab_4;
+    let index_mcp_4 = 2.113600077163611e-5 * index_ab_15;
+    let index_mcp_5 = index_mcp_2 * index_mcp_4;
+    let index_mcp_6 = 0.0224 * index_ab_1;
+    let index_mcp_7 = v_index_mcp * index_ab_11;
+    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
+    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_10 = v_index_mcp * index_mcp_9;
+    let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
+        + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_9);
+    let index_mcp_12 = index_mcp_1 * index_ab_5;
+    let index_mcp_13 = index_mcp_7 + index_mcp_12;
+    let index_mcp_14 = index_mcp_1 * index_mcp_6;
+    let index_mcp_15 = index_mcp_10 + index_mcp_14;
+    let index_mcp_16 = mul_add(
+        2.5540671987294797e-7,
+        index_mcp_2,
+        mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
+    );
+    let index_mcp_17 = index_mcp_16
+        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
+    let index_mcp_18 = index_mcp_1 * index_ab_9;
+    let index_mcp_19 = index_mcp_18 + index_mcp_3;
+    let index_mcp_20 = index_mcp_1 * index_mcp_8;
+    let index_mcp_21 = index_mcp_20 + index_mcp_5;
+    let index_mcp_22 = mul_add(
+        1.8193617546820962e-5,
         v_index_mcp,
-        index_mcp_9,
+        mul_add(index_mcp_9, index_mcp_21, index_ab_11 * index_mcp_19),
     );
-    let index_pip_1 = mul_sub(
-        0.0026754431356501404,
-        index_mcp_5,
-        index_mcp_3 * index_ab_4,
-    );
-    let index_pip_2 = mul_sub(
-        0.0001971758048499974,
-        v_index_pip,
-        index_mcp_2 * index_ab_16,
-    ) + index_pip_1;
-    momentum[coordinate::INDEX_PIP] = mul_add(
-        0.039799999999999995,
-        index_pip_2,
-        index_mcp_9,
-    );
-    let index_dip_1 = mul_sub(
-        0.0026754431356501404,
-        index_mcp_6,
-        index_mcp_3 * index_ab_23,
-    );
-    momentum[coordinate::INDEX_DIP] = index_mcp_7
-        + mul_add(index_ab_8, index_dip_1, index_ab_2 * index_pip_1);
+    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
+    momentum[coordinate::INDEX_PIP] = index_mcp_17;
+    momentum[coordinate::INDEX_DIP] = index_mcp_16;
     let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
     let index_fdp_2 = mul_add(
@@ -558,34 +477,31 @@ pub fn evaluate_with_matrix(
         cos_index_ab,
         0.012 * sin_index_ab,
     );
-    let index_fdp_5 = index_fdp_4 * index_fdp_4;
-    let index_fdp_6 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
-    let index_fdp_7 = 0.011 - index_fdp_6;
-    let index_fdp_8 = sqrt(
-        mul_add(index_fdp_7, index_fdp_7, mul_add(index_fdp_3, index_fdp_3, index_fdp_5)),
+    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
+    let index_fdp_6 = 0.011 - index_fdp_5;
+    let index_fdp_7 = mul_add(
+        index_fdp_6,
+        index_fdp_6,
+        mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
     );
+    let index_fdp_8 = sqrt(index_fdp_7);
     let index_fdp_9 = 1.0 / index_fdp_8;
-    let index_fdp_10 = index_fdp_3 * index_fdp_9;
-    let index_fdp_11 = index_fdp_4 * index_fdp_9;
-    let index_fdp_12 = neg_mul_add(
-        index_fdp_4,
-        index_fdp_10,
-        index_fdp_2 * index_fdp_11,
-    );
-    let index_fdp_13 = neg_mul_add(
-        3.1487999999999994e-5,
+    let index_fdp_10 = index_fdp_9
+        * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3);
+    let index_fdp_11 = neg_mul_add(
+        6.297599999999999e-5,
         cos_index_pip,
-        0.000172672 * sin_index_pip,
+        0.000345344 * sin_index_pip,
     );
-    let index_fdp_14 = sqrt(neg_mul_add(2.0, index_fdp_13, 0.000354510464));
-    let index_fdp_15 = mul_add(
-        7.315840000000005e-6,
+    let index_fdp_12 = sqrt(0.000354510464 - index_fdp_11);
+    let index_fdp_13 = mul_add(
+        1.463168000000001e-5,
         cos_index_dip,
-        7.6342e-5 * sin_index_dip,
+        0.000152684 * sin_index_dip,
     );
-    let index_fdp_16 = sqrt(neg_mul_add(2.0, index_fdp_15, 0.00015491888400000003));
-    let index_fdp_17 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_14 + index_fdp_16
+    let index_fdp_14 = sqrt(0.00015491888400000003 - index_fdp_13);
+    let index_fdp_15 = k_flexor
+        * (0.12972844537042483 + index_fdp_8 + index_fdp_12 + index_fdp_14
             - rest_index_fdp);
     let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
     let index_edc_2 = mul_add(
@@ -599,28 +515,25 @@ pub fn evaluate_with_matrix(
         cos_index_ab,
         0.002999999999999997 * sin_index_ab,
     );
-    let index_edc_5 = index_edc_4 * index_edc_4;
-    let index_edc_6 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
-    let index_edc_7 = -0.011 + index_edc_6;
-    let index_edc_8 = sqrt(
-        mul_add(index_edc_7, index_edc_7, mul_add(index_edc_3, index_edc_3, index_edc_5)),
+    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
+    let index_edc_6 = -0.011 + index_edc_5;
+    let index_edc_7 = mul_add(
+        index_edc_6,
+        index_edc_6,
+        mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
     );
+    let index_edc_8 = sqrt(index_edc_7);
     let index_edc_9 = 1.0 / index_edc_8;
-    let index_edc_10 = index_edc_3 * index_edc_9;
-    let index_edc_11 = index_edc_4 * index_edc_9;
-    let index_edc_12 = neg_mul_add(
-        index_edc_4,
-        index_edc_10,
-        index_edc_2 * index_edc_11,
-    );
-    let index_edc_13 = mul_sub(
-        7.699999999999999e-5,
+    let index_edc_10 = index_edc_9
+        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3);
+    let index_edc_11 = mul_sub(
+        0.00015399999999999998,
         cos_index_pip,
-        3.6000000000000014e-5 * sin_index_pip,
+        7.200000000000003e-5 * sin_index_pip,
     );
-    let index_edc_14 = sqrt(neg_mul_add(2.0, index_edc_13, 0.00016999999999999999));
-    let index_edc_15 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_14 - rest_index_edc);
+    let index_edc_12 = sqrt(0.00016999999999999999 - index_edc_11);
+    let index_edc_13 = k_extensor
+        * (0.14993665655140606 + index_edc_8 + index_edc_12 - rest_index_edc);
     let index_interosseous_1 = neg_mul_add(
         0.008000000000000004,
         cos_index_ab,
@@ -649,19 +562,18 @@ pub fn evaluate_with_matrix(
     );
     let index_interosseous_11 = sqrt(index_interosseous_10);
     let index_interosseous_12 = 1.0 / index_interosseous_11;
-    let index_interosseous_13 = index_interosseous_4 * index_interosseous_12;
-    let index_interosseous_14 = index_interosseous_6 * index_interosseous_12;
-    let index_interosseous_15 = neg_mul_add(
-        index_interosseous_5,
-        index_interosseous_13,
-        index_interosseous_1 * index_interosseous_14,
-    );
-    let index_interosseous_16 = k_intrinsic
+    let index_interosseous_13 = index_interosseous_12
+        * mul_sub(
+            index_interosseous_1,
+            index_interosseous_6,
+            index_interosseous_5 * index_interosseous_4,
+        );
+    let index_interosseous_14 = k_intrinsic
         * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
-    let index_ab_33 = mul_add(
-        index_interosseous_15,
-        index_interosseous_16,
-        mul_add(index_fdp_12, index_fdp_17, index_edc_12 * index_edc_15),
+    let index_ab_19 = mul_add(
+        index_interosseous_13,
+        index_interosseous_14,
+        mul_add(index_fdp_10, index_fdp_15, index_edc_10 * index_edc_13),
     );
     let index_band_1 = neg_mul_add(0.005, sin_index_mcp, index_interosseous_2);
     let index_band_2 = mul_add(
@@ -685,502 +597,379 @@ pub fn evaluate_with_matrix(
     );
     let index_band_9 = sqrt(index_band_8);
     let index_band_10 = 1.0 / index_band_9;
-    let index_band_11 = index_band_3 * index_band_10;
-    let index_band_12 = index_band_5 * index_band_10;
-    let index_band_13 = mul_add(
-        index_band_4,
-        index_band_11,
-        index_band_2 * index_band_12,
-    );
-    let index_band_14 = mul_sub(
-        2.6999999999999985e-5,
+    let index_band_11 = index_band_10
+        * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3);
+    let index_band_12 = mul_sub(
+        5.399999999999997e-5,
         cos_index_pip,
-        3.600000000000002e-5 * sin_index_pip,
+        7.200000000000004e-5 * sin_index_pip,
     );
-    let index_band_15 = sqrt(neg_mul_add(2.0, index_band_14, 9.000000000000003e-5));
-    let index_band_16 = mul_sub(
-        3.825e-5,
+    let index_band_13 = sqrt(9.000000000000003e-5 - index_band_12);
+    let index_band_14 = mul_sub(
+        7.65e-5,
         cos_index_dip,
-        2.5999999999999988e-5 * sin_index_dip,
+        5.1999999999999976e-5 * sin_index_dip,
     );
-    let index_band_17 = sqrt(neg_mul_add(2.0, index_band_16, 9.649999999999999e-5));
-    let index_band_18 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_15 + index_band_17
+    let index_band_15 = sqrt(9.649999999999999e-5 - index_band_14);
+    let index_band_16 = k_intrinsic
+        * (0.09421199494172741 + index_band_9 + index_band_13 + index_band_15
             - rest_index_band);
-    force[coordinate::INDEX_AB] = mul_sub(index_band_13, index_band_18, index_ab_33);
-    let index_fdp_18 = index_fdp_7 * index_fdp_9;
-    let index_fdp_19 = mul_add(index_fdp_6, index_fdp_10, index_fdp_1 * index_fdp_18);
-    let index_mcp_10 = mul_sub(
-        index_fdp_19,
-        index_fdp_17,
-        mul_add(index_ab_7, index_ab_32, index_ab_12 * index_ab_22),
+    force[coordinate::INDEX_AB] = mul_sub(index_band_11, index_band_16, index_ab_19);
+    let index_mcp_23 = v_index_ab * index_ab_4;
+    let index_mcp_24 = v_index_ab * index_mcp_6;
+    let index_mcp_25 = neg_mul_add(
+        index_mcp_24,
+        index_mcp_23,
+        neg_mul_add(index_mcp_14, index_mcp_3, index_mcp_12 * index_mcp_5),
     );
-    let index_edc_16 = index_edc_7 * index_edc_9;
-    let index_edc_17 = mul_sub(index_edc_6, index_edc_10, index_edc_1 * index_edc_16);
-    let index_interosseous_17 = index_interosseous_9 * index_interosseous_12;
-    let index_interosseous_18 = mul_add(
-        index_interosseous_8,
-        index_interosseous_13,
-        index_interosseous_3 * index_interosseous_17,
+    let index_mcp_26 = v_index_ab * index_mcp_8;
+    let index_mcp_27 = v_index_ab * index_ab_11;
+    let index_mcp_28 = neg_mul_add(
+        index_mcp_27,
+        index_mcp_26,
+        neg_mul_add(index_mcp_7, index_mcp_20, index_mcp_10 * index_mcp_18),
     );
-    let index_band_19 = index_band_7 * index_band_10;
-    let index_band_20 = mul_add(
-        index_band_6,
-        index_band_11,
-        index_band_1 * index_band_19,
+    let index_mcp_29 = index_ab_2 * index_ab_7;
+    let index_mcp_30 = v_index_ab * v_index_ab;
+    let index_mcp_31 = v_index_ab * index_mcp_4;
+    let index_mcp_32 = v_index_ab * index_ab_5;
+    let index_mcp_33 = index_mcp_27 + index_mcp_32;
+    let index_mcp_34 = neg_mul_add(
+        index_mcp_33,
+        index_mcp_31,
+        neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
     );
+    let index_mcp_35 = index_ab_3 * index_ab_16;
+    let index_mcp_36 = neg_mul_add(index_mcp_35, index_mcp_30, index_mcp_34);
+    let index_mcp_37 = index_mcp_36
+        + neg_mul_add(index_mcp_29, index_mcp_30, index_mcp_25 + index_mcp_28);
+    let index_mcp_38 = v_index_ab * index_ab_9;
+    let index_mcp_39 = index_mcp_38 + index_mcp_23;
+    let index_mcp_40 = v_index_ab * index_mcp_9;
+    let index_mcp_41 = neg_mul_add(
+        index_mcp_40,
+        index_mcp_39,
+        neg_mul_add(index_mcp_10, index_mcp_19, index_mcp_7 * index_mcp_21),
+    );
+    let index_mcp_42 = cos_index_mcp * index_ab_12;
+    let index_fdp_16 = index_fdp_9
+        * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6);
+    let index_mcp_43 = mul_add(
+        index_fdp_16,
+        index_fdp_15,
+        index_mcp_37 + neg_mul_add(index_mcp_42, index_mcp_30, index_mcp_41),
+    );
+    let index_edc_14 = index_edc_9
+        * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6);
+    let index_interosseous_15 = index_interosseous_12
+        * mul_add(
+            index_interosseous_8,
+            index_interosseous_4,
+            index_interosseous_3 * index_interosseous_9,
+        );
+    let index_band_17 = index_band_10
+        * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7);
     force[coordinate::INDEX_MCP] = mul_add(
-        index_band_20,
-        index_band_18,
+        index_band_17,
+        index_band_16,
         mul_add(
-            index_interosseous_18,
-            index_interosseous_16,
-            neg_mul_add(index_edc_17, index_edc_15, index_mcp_10),
+            index_interosseous_15,
+            index_interosseous_14,
+            neg_mul_add(index_edc_14, index_edc_13, index_mcp_43),
         ),
     );
-    let index_pip_3 = mul_sub(index_ab_12, index_ab_23, index_ab_7 * index_ab_4);
-    let index_pip_4 = mul_sub(index_ab_12, index_ab_28, index_ab_7 * index_ab_16)
-        + index_pip_3;
-    let index_pip_5 = 0.039799999999999995 * index_ab_12;
-    let index_pip_6 = neg_mul_add(index_mcp_2, index_ab_28, index_dip_1);
-    let index_pip_7 = 0.039799999999999995 * v_index_mcp;
-    let index_pip_8 = mul_sub(index_pip_7, index_pip_6, index_pip_5 * index_pip_4)
-        - mul_add(index_ab_7, index_ab_31, index_ab_12 * index_ab_21);
-    let index_fdp_20 = 1.0 / index_fdp_14;
-    let index_fdp_21 = index_fdp_20
+    let index_fdp_17 = 1.0 / index_fdp_12;
+    let index_fdp_18 = index_fdp_17
         * mul_add(3.1487999999999994e-5, sin_index_pip, 0.000172672 * cos_index_pip);
-    let index_edc_18 = 1.0 / index_edc_14;
-    let index_edc_19 = index_edc_18
+    let index_edc_15 = 1.0 / index_edc_12;
+    let index_edc_16 = index_edc_15
         * mul_add(
             7.699999999999999e-5,
             sin_index_pip,
             3.6000000000000014e-5 * cos_index_pip,
         );
-    let index_band_21 = 1.0 / index_band_15;
-    let index_band_22 = index_band_21
+    let index_band_18 = 1.0 / index_band_13;
+    let index_band_19 = index_band_18
         * mul_add(
             2.6999999999999985e-5,
             sin_index_pip,
             3.600000000000002e-5 * cos_index_pip,
         );
     force[coordinate::INDEX_PIP] = neg_mul_add(
-        index_band_22,
-        index_band_18,
+        index_band_19,
+        index_band_16,
         neg_mul_add(
-            index_edc_19,
-            index_edc_15,
-            mul_add(index_fdp_21, index_fdp_17, index_pip_8),
+            index_edc_16,
+            index_edc_13,
+            mul_add(index_fdp_18, index_fdp_15, index_mcp_37),
         ),
     );
-    let index_dip_2 = mul_add(index_ab_8, index_ab_7, index_ab_2 * index_ab_12);
-    let index_dip_3 = mul_sub(index_ab_2, index_mcp_2, index_mcp_4);
-    let index_dip_4 = index_ab_8 * index_mcp_2;
-    let index_dip_5 = neg_mul_add(
-        index_dip_4,
-        index_pip_1,
-        mul_sub(index_dip_3, index_dip_1, index_dip_2 * index_pip_3),
-    );
-    let index_fdp_22 = 1.0 / index_fdp_16;
-    let index_fdp_23 = index_fdp_22
+    let index_fdp_19 = 1.0 / index_fdp_14;
+    let index_fdp_20 = index_fdp_19
         * mul_sub(7.315840000000005e-6, sin_index_dip, 7.6342e-5 * cos_index_dip);
-    let index_dip_6 = neg_mul_add(
-        index_fdp_23,
-        index_fdp_17,
-        index_dip_5 - mul_add(index_ab_7, index_ab_27, index_ab_12 * index_ab_14),
-    );
-    let index_band_23 = 1.0 / index_band_17;
-    let index_band_24 = index_band_23
+    let index_band_20 = 1.0 / index_band_15;
+    let index_band_21 = index_band_20
         * mul_add(3.825e-5, sin_index_dip, 2.5999999999999988e-5 * cos_index_dip);
     force[coordinate::INDEX_DIP] = neg_mul_add(
-        index_band_24,
-        index_band_18,
-        index_dip_6,
+        index_band_21,
+        index_band_16,
+        neg_mul_add(index_fdp_20, index_fdp_15, index_mcp_36),
     );
-    let index_fdp_24 = mul_sub(
-        index_fdp_9,
-        neg_mul_add(
-            index_fdp_12,
-            index_fdp_12,
-            mul_add(index_fdp_2, index_fdp_2, index_fdp_5),
-        ),
-        mul_add(index_fdp_2, index_fdp_10, index_fdp_4 * index_fdp_11),
+    let index_fdp_21 = 0.25 * h;
+    let index_fdp_22 = index_fdp_21 * index_fdp_15;
+    let index_fdp_23 = index_fdp_9 * index_fdp_22;
+    let index_fdp_24 = k_flexor * index_fdp_21;
+    let index_fdp_25 = index_fdp_24 - index_fdp_23;
+    let index_fdp_26 = index_fdp_2 * index_fdp_1;
+    let index_ab_20 = 1.0 / h;
+    let index_ab_21 = mul_add(
+        index_ab_20,
+        index_ab_18,
+        mul_sub(index_fdp_10, index_fdp_10 * index_fdp_25, index_fdp_26 * index_fdp_23),
     );
-    let index_fdp_25 = 0.25 * h;
-    let index_fdp_26 = index_fdp_25 * index_fdp_17;
-    let index_fdp_27 = k_flexor * index_fdp_25;
-    let index_ab_34 = index_ab_17 + index_ab_6;
-    let index_ab_35 = 6.108011569195822e-6 + index_ab_34;
-    let index_ab_36 = index_ab_20 + index_ab_11;
-    let index_ab_37 = 1.0 / h;
-    let index_ab_38 = cos_index_mcp
-        * (neg_mul_add(sin_index_mcp, index_ab_36, cos_index_mcp * index_ab_35)
-            * index_ab_37);
-    let index_ab_39 = index_ab_30 + index_ab_25;
-    let index_ab_40 = 4.511964479704354e-7 + index_ab_39;
-    let index_ab_41 = mul_sub(
-        sin_index_mcp,
-        neg_mul_add(sin_index_mcp, index_ab_40, cos_index_mcp * index_ab_36)
-            * index_ab_37,
-        index_ab_38,
-    );
-    let index_ab_42 = index_ab_41
-        - mul_add(
-            index_fdp_12,
-            index_fdp_12 * index_fdp_27,
-            index_fdp_24 * index_fdp_26,
-        );
-    let index_edc_20 = mul_sub(
-        index_edc_9,
-        neg_mul_add(
-            index_edc_12,
-            index_edc_12,
-            mul_add(index_edc_2, index_edc_2, index_edc_5),
-        ),
-        mul_add(index_edc_2, index_edc_10, index_edc_4 * index_edc_11),
-    );
-    let index_edc_21 = index_fdp_25 * index_edc_15;
-    let index_edc_22 = k_extensor * index_fdp_25;
-    let index_ab_43 = index_ab_42
-        - mul_add(
-            index_edc_12,
-            index_edc_12 * index_edc_22,
-            index_edc_20 * index_edc_21,
-        );
-    let index_interosseous_19 = neg_mul_add(
-        index_interosseous_15,
-        index_interosseous_15,
-        mul_add(
-            index_interosseous_5,
-            index_interosseous_5,
-            index_interosseous_1 * index_interosseous_1,
-        ),
-    );
+    let index_edc_17 = index_fdp_21 * index_edc_13;
+    let index_edc_18 = index_edc_9 * index_edc_17;
+    let index_edc_19 = k_extensor * index_fdp_21;
+    let index_edc_20 = index_edc_19 - index_edc_18;
+    let index_edc_21 = index_edc_2 * index_edc_1;
+    let index_ab_22 = mul_sub(
+        index_edc_10,
+        index_edc_10 * index_edc_20,
+        index_edc_21 * index_edc_18,
+    ) + index_ab_21;
+    let index_interosseous_16 = index_interosseous_12
+        * (index_fdp_21 * index_interosseous_14);
+    let index_interosseous_17 = k_intrinsic * index_fdp_21;
+    let index_interosseous_18 = index_interosseous_17 - index_interosseous_16;
+    let index_interosseous_19 = index_interosseous_1 * index_interosseous_3;
     let index_interosseous_20 = mul_add(
-        index_interosseous_12,
-        index_interosseous_19,
+        index_interosseous_13,
+        index_interosseous_13 * index_interosseous_18,
+        mul_add(0.01, index_interosseous_5, index_interosseous_19)
+            * index_interosseous_16,
+    );
+    let index_band_22 = index_fdp_21 * index_band_16;
+    let index_band_23 = index_band_10 * index_band_22;
+    let index_band_24 = index_interosseous_17 - index_band_23;
+    let index_band_25 = index_band_2 * index_band_1;
+    let index_band_26 = mul_sub(
+        index_band_11,
+        index_band_11 * index_band_24,
+        mul_add(0.009, index_band_4, index_band_25) * index_band_23,
+    );
+    matrix[0] = -(index_band_26 + (index_interosseous_20 + index_ab_22));
+    let index_fdp_27 = index_fdp_16 * index_fdp_25;
+    let index_edc_22 = index_edc_14 * index_edc_20;
+    let index_ab_23 = neg_mul_add(
+        index_fdp_10,
+        index_fdp_27,
+        index_fdp_4 * index_fdp_5 * index_fdp_23,
+    ) + mul_sub(index_edc_10, index_edc_22, index_edc_4 * index_edc_5 * index_edc_18);
+    let index_interosseous_21 = index_interosseous_15 * index_interosseous_18;
+    let index_ab_24 = neg_mul_add(
+        index_interosseous_13,
+        index_interosseous_21,
+        index_interosseous_5 * index_interosseous_8 * index_interosseous_16,
+    ) + index_ab_23;
+    let index_band_27 = index_band_17 * index_band_24;
+    let index_ab_25 = mul_add(
+        index_band_11,
+        index_band_27,
+        index_band_4 * index_band_6 * index_band_23,
+    ) + index_ab_24;
+    let index_ab_26 = 2.0 * v_index_ab;
+    let index_ab_27 = mul_add(
+        index_mcp_35,
+        index_ab_26,
+        mul_add(index_ab_11 + index_ab_5, index_mcp_31, index_mcp_33 * index_mcp_4),
+    );
+    let index_ab_28 = 0.5 * index_ab_27;
+    let index_ab_29 = mul_add(
+        index_mcp_6,
+        index_mcp_23,
+        mul_add(index_mcp_24, index_ab_4, index_ab_11 * index_mcp_26),
+    );
+    let index_ab_30 = mul_add(
+        0.5,
         mul_add(
-            index_interosseous_1,
-            index_interosseous_13,
-            index_interosseous_5 * index_interosseous_14,
+            index_mcp_29,
+            index_ab_26,
+            mul_add(index_mcp_27, index_mcp_8, index_ab_29),
         ),
+        index_ab_28,
     );
-    let index_interosseous_21 = index_fdp_25 * index_interosseous_16;
-    let index_interosseous_22 = k_intrinsic * index_fdp_25;
-    let index_ab_44 = index_ab_43
-        - mul_add(
-            index_interosseous_15,
-            index_interosseous_15 * index_interosseous_22,
-            index_interosseous_20 * index_interosseous_21,
-        );
-    let index_band_25 = neg_mul_add(
-        index_band_13,
-        index_band_13,
-        mul_add(index_band_4, index_band_4, index_band_2 * index_band_2),
+    let index_ab_31 = mul_add(
+        index_mcp_42,
+        index_ab_26,
+        mul_add(index_mcp_40, index_ab_10, index_mcp_9 * index_mcp_39),
     );
-    let index_band_26 = mul_add(
-        index_band_10,
-        index_band_25,
-        neg_mul_add(index_band_2, index_band_11, index_band_4 * index_band_12),
+    let index_ab_32 = mul_add(0.5, index_ab_31, index_ab_30);
+    matrix[1] = index_ab_32 - index_ab_25;
+    let index_edc_23 = index_edc_16 * index_edc_19;
+    let index_fdp_28 = index_fdp_18 * index_fdp_24;
+    let index_band_28 = index_interosseous_17 * index_band_19;
+    let index_ab_33 = mul_add(
+        index_band_11,
+        index_band_28,
+        mul_sub(index_fdp_10, index_fdp_28, index_edc_10 * index_edc_23),
     );
-    let index_band_27 = index_fdp_25 * index_band_18;
-    matrix[0] = index_ab_44
-        - mul_add(
-            index_band_13,
-            index_interosseous_22 * index_band_13,
-            index_band_26 * index_band_27,
-        );
-    let index_fdp_28 = index_fdp_9
-        * mul_add(index_fdp_4, index_fdp_6, index_fdp_12 * index_fdp_19) * index_fdp_26;
-    let index_fdp_29 = index_fdp_19 * index_fdp_27;
-    let index_fdp_30 = neg_mul_add(index_fdp_12, index_fdp_29, index_fdp_28);
-    let index_ab_45 = index_ab_7 * index_ab_36;
-    let index_ab_46 = index_ab_32 + mul_add(index_ab_12, index_ab_35, index_ab_45);
-    let index_ab_47 = index_ab_12 * index_ab_36;
-    let index_ab_48 = index_ab_22 - mul_add(index_ab_7, index_ab_40, index_ab_47);
-    let index_ab_49 = mul_add(sin_index_mcp, index_ab_48, cos_index_mcp * index_ab_46);
-    let index_edc_23 = index_edc_9
-        * mul_add(index_edc_4, index_edc_6, index_edc_12 * index_edc_17) * index_edc_21;
-    let index_edc_24 = index_edc_17 * index_edc_22;
-    let index_edc_25 = mul_sub(index_edc_12, index_edc_24, index_edc_23);
-    let index_interosseous_23 = index_interosseous_12
-        * mul_add(
-            index_interosseous_5,
-            index_interosseous_8,
-            index_interosseous_15 * index_interosseous_18,
-        ) * index_interosseous_21;
-    let index_interosseous_24 = index_interosseous_18 * index_interosseous_22;
-    let index_interosseous_25 = neg_mul_add(
-        index_interosseous_15,
-        index_interosseous_24,
-        index_interosseous_23,
+    matrix[2] = index_ab_30 + index_ab_33;
+    let index_band_29 = index_interosseous_17 * index_band_21;
+    let index_fdp_29 = index_fdp_20 * index_fdp_24;
+    let index_ab_34 = neg_mul_add(
+        index_fdp_10,
+        index_fdp_29,
+        index_band_11 * index_band_29,
     );
-    let index_band_28 = index_band_10
-        * mul_sub(index_band_4, index_band_6, index_band_13 * index_band_20)
-        * index_band_27;
-    let index_band_29 = index_interosseous_22 * index_band_20;
-    let index_band_30 = mul_add(index_band_13, index_band_29, index_band_28);
-    matrix[1] = mul_sub(0.5, index_ab_49, index_fdp_30) - index_edc_25
-        - index_interosseous_25 - index_band_30;
-    let index_ab_50 = index_ab_28 + index_ab_23;
-    let index_ab_51 = mul_sub(
-        index_pip_5,
-        index_ab_50,
-        mul_add(index_ab_7, index_ab_39, index_ab_47),
-    ) + mul_add(0.039799999999999995, index_pip_4, index_ab_21);
-    let index_ab_52 = index_ab_16 + index_ab_4;
-    let index_ab_53 = mul_sub(
-        index_pip_5,
-        index_ab_52,
-        mul_add(index_ab_12, index_ab_34, index_ab_45),
-    ) - index_ab_31;
-    let index_ab_54 = 0.5
-        * neg_mul_add(sin_index_mcp, index_ab_51, cos_index_mcp * index_ab_53);
-    let index_fdp_31 = index_fdp_21 * index_fdp_27;
-    let index_edc_26 = index_edc_19 * index_edc_22;
-    let index_band_31 = index_interosseous_22 * index_band_22;
-    matrix[2] = mul_add(
-        index_band_13,
-        index_band_31,
-        neg_mul_add(
-            index_edc_12,
-            index_edc_26,
-            mul_sub(index_fdp_12, index_fdp_31, index_ab_54),
-        ),
-    );
-    let index_ab_55 = mul_sub(
-        index_dip_2,
-        index_ab_23,
-        mul_add(index_ab_7, index_ab_25, index_ab_13),
-    ) + mul_add(index_ab_2, index_pip_3, index_ab_14);
-    let index_ab_56 = mul_sub(
-        index_dip_2,
-        index_ab_4,
-        mul_add(index_ab_12, index_ab_6, index_ab_26),
-    ) - mul_add(index_ab_8, index_pip_3, index_ab_27);
-    let index_ab_57 = 0.5
-        * neg_mul_add(sin_index_mcp, index_ab_55, cos_index_mcp * index_ab_56);
-    let index_fdp_32 = index_fdp_23 * index_fdp_27;
-    let index_band_32 = index_interosseous_22 * index_band_24;
-    matrix[3] = mul_sub(
-        index_band_13,
-        index_band_32,
-        mul_add(index_fdp_12, index_fdp_32, index_ab_57),
-    );
-    let index_mcp_11 = index_band_30
-        + (index_interosseous_25
-            + (index_edc_25 + mul_add(0.5, index_ab_49, index_fdp_30)));
-    matrix[4] = -index_mcp_11;
-    let index_fdp_33 = neg_mul_add(
-        index_fdp_19,
-        index_fdp_19,
-        mul_add(index_fdp_6, index_fdp_6, index_fdp_1 * index_fdp_1),
-    );
-    let index_fdp_34 = mul_add(
-        index_fdp_9,
-        index_fdp_33,
-        neg_mul_add(index_fdp_1, index_fdp_10, index_fdp_6 * index_fdp_18),
-    );
-    let index_mcp_12 = neg_mul_add(
-        index_ab_7,
-        index_fdp_25 * index_ab_48,
-        index_ab_12 * (index_fdp_25 * index_ab_46),
-    );
-    let index_mcp_13 = index_mcp_8 + index_mcp_1;
-    let index_mcp_14 = neg_mul_add(
-        6.108011569195822e-6 + index_mcp_13,
-        index_ab_37,
-        index_mcp_12,
-    ) - mul_add(index_fdp_19, index_fdp_29, index_fdp_34 * index_fdp_26);
-    let index_edc_27 = neg_mul_add(
-        index_edc_17,
-        index_edc_17,
-        mul_add(index_edc_6, index_edc_6, index_edc_1 * index_edc_1),
-    );
-    let index_edc_28 = mul_sub(
-        index_edc_9,
-        index_edc_27,
-        mul_add(index_edc_1, index_edc_10, index_edc_6 * index_edc_16),
-    );
-    let index_interosseous_26 = neg_mul_add(
-        index_interosseous_18,
-        index_interosseous_18,
-        mul_add(
-            index_interosseous_8,
-            index_interosseous_8,
-            index_interosseous_3 * index_interosseous_3,
-        ),
-    );
-    let index_interosseous_27 = mul_add(
-        index_interosseous_12,
-        index_interosseous_26,
-        neg_mul_add(
-            index_interosseous_3,
-            index_interosseous_13,
-            index_interosseous_8 * index_interosseous_17,
-        ),
-    );
-    let index_mcp_15 = index_mcp_14
-        - mul_add(index_edc_17, index_edc_24, index_edc_28 * index_edc_21)
-        - mul_add(
-            index_interosseous_18,
-            index_interosseous_24,
-            index_interosseous_27 * index_interosseous_21,
-        );
-    let index_band_33 = neg_mul_add(
-        index_band_20,
-        index_band_20,
-        mul_add(index_band_6, index_band_6, index_band_1 * index_band_1),
-    );
-    let index_band_34 = mul_add(
-        index_band_10,
-        index_band_33,
-        neg_mul_add(index_band_1, index_band_11, index_band_6 * index_band_19),
-    );
-    matrix[5] = index_mcp_15
-        - mul_add(index_band_20, index_band_29, index_band_34 * index_band_27);
-    let index_mcp_16 = mul_add(
-        index_ab_7,
-        index_fdp_25 * index_ab_51,
-        index_ab_12 * (index_fdp_25 * index_ab_53),
-    );
-    let index_mcp_17 = index_ab_37
-        * neg_mul_add(0.039799999999999995, index_ab_52, index_mcp_13);
-    let index_mcp_18 = index_mcp_17 + index_mcp_16;
-    let index_mcp_19 = neg_mul_add(
-        index_pip_7,
-        index_ab_50,
-        0.039799999999999995 * index_pip_6,
-    );
-    let index_mcp_20 = mul_add(
-        index_edc_17,
-        index_edc_26,
-        mul_add(index_fdp_19, index_fdp_31, mul_add(0.5, index_mcp_19, index_mcp_18)),
-    );
-    matrix[6] = mul_sub(index_band_20, index_band_31, index_mcp_20);
-    let index_mcp_21 = mul_add(
-        index_ab_7,
-        index_fdp_25 * index_ab_55,
-        index_ab_12 * (index_fdp_25 * index_ab_56),
-    );
-    let index_mcp_22 = index_ab_37
-        * (index_mcp_1 - mul_add(index_ab_8, index_ab_23, index_ab_2 * index_ab_4));
-    let index_mcp_23 = index_mcp_22 + index_mcp_21;
-    let index_mcp_24 = neg_mul_add(index_dip_3, index_ab_23, index_dip_4 * index_ab_4)
-        + mul_sub(index_ab_2, index_dip_1, index_ab_8 * index_pip_1);
-    matrix[7] = mul_add(
-        index_band_20,
-        index_band_32,
-        mul_sub(index_fdp_19, index_fdp_32, mul_add(0.5, index_mcp_24, index_mcp_23)),
-    );
-    matrix[8] = mul_add(
-        index_band_13,
-        index_band_31,
-        neg_mul_add(
-            index_edc_12,
-            index_edc_26,
-            mul_add(index_fdp_12, index_fdp_31, index_ab_54),
-        ),
-    );
-    let index_pip_9 = neg_mul_add(
-        index_edc_17,
-        index_edc_26,
-        neg_mul_add(index_fdp_19, index_fdp_31, mul_sub(0.5, index_mcp_19, index_mcp_18)),
-    );
-    matrix[9] = mul_add(index_band_20, index_band_31, index_pip_9);
-    let index_pip_10 = mul_sub(
-        0.00030365844164887296,
-        index_ab_12,
-        mul_add(index_ab_7, index_ab_50, index_ab_12 * index_ab_52),
-    );
-    let index_pip_11 = mul_add(
-        index_pip_7,
-        index_fdp_25 * mul_add(0.00030365844164887296, v_index_mcp, index_pip_2),
-        index_pip_5 * (index_fdp_25 * index_pip_10),
-    );
-    let index_pip_12 = index_pip_11 - index_mcp_16
-        - mul_add(
-            0.039799999999999995,
-            index_ab_37 * (0.00030365844164887296 - index_ab_52),
-            index_mcp_17,
-        );
-    let index_fdp_35 = mul_add(
+    matrix[3] = index_ab_28 + index_ab_34;
+    matrix[4] = -(index_ab_32 + index_ab_25);
+    let index_mcp_44 = mul_add(index_mcp_12, index_mcp_3, index_mcp_14 * index_mcp_5);
+    let index_mcp_45 = 2.0 * index_mcp_30;
+    let index_mcp_46 = mul_add(index_mcp_10, index_mcp_20, index_mcp_7 * index_mcp_18);
+    let index_mcp_47 = mul_add(
+        index_ab_8,
+        index_mcp_45,
+        mul_add(index_mcp_32, index_mcp_23, index_mcp_44),
+    ) + mul_add(index_mcp_27, index_mcp_38, index_mcp_46);
+    let index_mcp_48 = mul_sub(
         index_fdp_21,
-        index_fdp_31,
-        index_fdp_20 * neg_mul_add(index_fdp_21, index_fdp_21, index_fdp_13)
-            * index_fdp_26,
+        mul_add(index_mcp_24, index_mcp_31, index_mcp_44),
+        index_ab_20 * mul_add(index_mcp_6, index_mcp_4, index_ab_6),
     );
-    let index_edc_29 = mul_add(
-        index_edc_19,
-        index_edc_26,
-        index_edc_18 * neg_mul_add(index_edc_19, index_edc_19, index_edc_13)
-            * index_edc_21,
+    let index_mcp_49 = mul_add(
+        index_mcp_33,
+        index_mcp_23,
+        mul_add(index_mcp_13, index_mcp_3, index_mcp_15 * index_mcp_5),
     );
-    let index_band_35 = mul_add(
-        index_band_22,
-        index_band_31,
-        index_band_21 * neg_mul_add(index_band_22, index_band_22, index_band_14)
-            * index_band_27,
+    let index_mcp_50 = mul_add(
+        index_fdp_21,
+        mul_add(index_ab_17, index_mcp_45, index_mcp_49),
+        2.5540671987294797e-7 * index_ab_20,
     );
-    matrix[10] = index_pip_12 - index_fdp_35 - index_edc_29 - index_band_35;
-    let index_pip_13 = mul_sub(
-        0.0026754431356501404,
-        index_dip_2,
-        mul_add(index_ab_7, index_ab_23, index_ab_12 * index_ab_4),
+    let index_mcp_51 = index_mcp_48 - index_mcp_50;
+    let index_mcp_52 = index_mcp_48
+        - mul_add(index_fdp_21, index_mcp_47, 2.2502977721519766e-6 * index_ab_20)
+        + index_mcp_51;
+    let index_mcp_53 = mul_add(
+        index_mcp_40,
+        index_mcp_31,
+        mul_add(index_mcp_10, index_mcp_5, index_mcp_7 * index_mcp_3),
     );
-    let index_pip_14 = index_fdp_25 * index_pip_13;
-    let index_pip_15 = index_fdp_25
-        * mul_add(0.0026754431356501404, index_dip_3, index_pip_1);
-    let index_pip_16 = index_ab_37
-        * mul_sub(0.0026754431356501404, index_ab_2, index_ab_4);
-    let index_pip_17 = mul_add(index_pip_7, index_pip_15, index_pip_5 * index_pip_14)
-        - index_mcp_21 - mul_add(0.039799999999999995, index_pip_16, index_mcp_22);
-    let index_pip_18 = mul_add(0.0026754431356501404, index_dip_4, index_dip_1);
-    let index_pip_19 = mul_sub(5.9929926238563145e-5, sin_index_pip, index_ab_23);
-    let index_pip_20 = neg_mul_add(
-        index_pip_7,
-        index_pip_19,
-        neg_mul_add(0.039799999999999995, index_pip_18, index_mcp_24),
+    let index_mcp_54 = mul_sub(
+        index_fdp_21,
+        index_mcp_53,
+        index_ab_20 * mul_add(index_mcp_9, index_mcp_4, index_ab_11 * index_ab_4),
     );
-    matrix[11] = neg_mul_add(
-        index_band_22,
-        index_band_32,
-        mul_add(index_fdp_21, index_fdp_32, neg_mul_add(0.5, index_pip_20, index_pip_17)),
+    let index_mcp_55 = mul_sub(
+        index_fdp_21,
+        mul_add(index_mcp_40, index_mcp_26, index_mcp_46),
+        index_ab_20 * mul_add(index_mcp_9, index_mcp_8, index_ab_11 * index_ab_9),
     );
-    matrix[12] = mul_add(
-        index_band_13,
-        index_band_32,
-        neg_mul_add(index_fdp_12, index_fdp_32, index_ab_57),
+    let index_mcp_56 = index_mcp_55 + index_mcp_54;
+    let index_mcp_57 = index_mcp_56 + index_mcp_52;
+    let index_mcp_58 = mul_add(
+        index_mcp_27,
+        index_mcp_39,
+        mul_add(index_mcp_7, index_mcp_19, index_mcp_10 * index_mcp_21),
     );
-    matrix[13] = mul_add(
-        index_band_20,
-        index_band_32,
-        mul_add(index_fdp_19, index_fdp_32, mul_sub(0.5, index_mcp_24, index_mcp_23)),
+    let index_mcp_59 = mul_add(
+        index_fdp_21,
+        mul_add(index_ab_13, index_mcp_45, index_mcp_58),
+        1.8193617546820962e-5 * index_ab_20,
     );
-    matrix[14] = neg_mul_add(
-        index_band_22,
-        index_band_32,
-        mul_add(index_fdp_21, index_fdp_32, mul_add(0.5, index_pip_20, index_pip_17)),
+    let index_fdp_30 = mul_add(
+        index_fdp_16,
+        index_fdp_27,
+        mul_sub(0.011, index_fdp_5, index_fdp_26) * index_fdp_23,
     );
-    let index_dip_7 = mul_add(
-        index_dip_4,
-        index_fdp_25 * index_pip_18,
-        mul_add(index_dip_3, index_pip_15, index_dip_2 * index_pip_14),
+    let index_edc_24 = mul_add(
+        index_edc_14,
+        index_edc_22,
+        mul_sub(0.011, index_edc_5, index_edc_21) * index_edc_18,
     );
-    let index_dip_8 = index_mcp_22
-        + mul_add(index_ab_8, index_ab_37 * index_pip_19, index_ab_2 * index_pip_16);
-    let index_fdp_36 = mul_add(
-        index_fdp_23,
-        index_fdp_32,
-        index_fdp_22 * neg_mul_add(index_fdp_23, index_fdp_23, index_fdp_15)
-            * index_fdp_26,
+    let index_interosseous_22 = mul_add(
+        index_interosseous_15,
+        index_interosseous_21,
+        mul_add(0.001, index_interosseous_8, index_interosseous_19)
+            * index_interosseous_16,
     );
-    let index_band_36 = mul_add(
-        index_band_24,
-        index_band_32,
-        index_band_23 * neg_mul_add(index_band_24, index_band_24, index_band_16)
-            * index_band_27,
+    let index_mcp_60 = index_mcp_56 - index_mcp_59 + index_mcp_57 - index_fdp_30
+        - index_edc_24 - index_interosseous_22;
+    let index_band_30 = mul_add(
+        index_band_17,
+        index_band_27,
+        mul_sub(0.005, index_band_6, index_band_25) * index_band_23,
     );
-    matrix[15] = index_dip_7 - index_mcp_21 - index_dip_8 - index_fdp_36 - index_band_36;
+    matrix[5] = index_mcp_60 - index_band_30;
+    let index_mcp_61 = mul_add(
+        index_band_17,
+        index_band_28,
+        neg_mul_add(
+            index_edc_14,
+            index_edc_23,
+            neg_mul_add(index_fdp_16, index_fdp_28, index_mcp_57),
+        ),
+    );
+    let index_mcp_62 = neg_mul_add(index_mcp_9, index_ab_4, index_ab_11 * index_mcp_4)
+        * (0.5 * (v_index_mcp + index_mcp_2));
+    let index_mcp_63 = mul_add(
+        neg_mul_add(index_mcp_9, index_ab_9, index_ab_11 * index_mcp_8),
+        0.5 * (v_index_mcp + index_mcp_1),
+        index_mcp_62,
+    );
+    matrix[6] = index_mcp_63 + index_mcp_61;
+    let index_mcp_64 = mul_add(
+        index_band_17,
+        index_band_29,
+        mul_add(index_fdp_16, index_fdp_29, index_mcp_54 + index_mcp_51),
+    );
+    let index_mcp_65 = neg_mul_add(index_mcp_6, index_ab_4, index_ab_5 * index_mcp_4)
+        * (0.5 * (index_mcp_1 + index_mcp_2));
+    let index_mcp_66 = index_mcp_62 + index_mcp_65;
+    matrix[7] = index_mcp_66 + index_mcp_64;
+    matrix[8] = index_ab_33 - index_ab_30;
+    matrix[9] = index_mcp_61 - index_mcp_63;
+    let index_fdp_31 = index_fdp_17 * index_fdp_22;
+    let index_fdp_32 = mul_add(
+        index_fdp_18,
+        index_fdp_18 * (index_fdp_24 - index_fdp_31),
+        0.5 * index_fdp_11 * index_fdp_31,
+    );
+    let index_edc_25 = index_edc_15 * index_edc_17;
+    let index_edc_26 = mul_add(
+        index_edc_16,
+        index_edc_16 * (index_edc_19 - index_edc_25),
+        0.5 * index_edc_11 * index_edc_25,
+    );
+    let index_band_31 = index_band_18 * index_band_22;
+    let index_band_32 = mul_add(
+        index_band_19,
+        index_band_19 * (index_interosseous_17 - index_band_31),
+        0.5 * index_band_12 * index_band_31,
+    );
+    matrix[10] = index_mcp_52 - index_fdp_32 - index_edc_26 - index_band_32;
+    let index_pip_1 = neg_mul_add(
+        index_band_19,
+        index_band_29,
+        mul_add(index_fdp_18, index_fdp_29, index_mcp_51),
+    );
+    matrix[11] = index_mcp_65 + index_pip_1;
+    matrix[12] = index_ab_34 - index_ab_28;
+    matrix[13] = index_mcp_64 - index_mcp_66;
+    matrix[14] = index_pip_1 - index_mcp_65;
+    let index_fdp_33 = index_fdp_19 * index_fdp_22;
+    let index_fdp_34 = mul_add(
+        index_fdp_20,
+        index_fdp_20 * (index_fdp_24 - index_fdp_33),
+        0.5 * index_fdp_13 * index_fdp_33,
+    );
+    let index_band_33 = index_band_20 * index_band_22;
+    let index_band_34 = mul_add(
+        index_band_21,
+        index_band_21 * (index_interosseous_17 - index_band_33),
+        0.5 * index_band_14 * index_band_33,
+    );
+    matrix[15] = -(index_band_34 + (index_fdp_34 + index_mcp_50));
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -1191,94 +980,73 @@ pub fn evaluate_with_matrix(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-/// 91 operations: 15 sums, 21 products, 26 products with sum, 3 sines and cosines.
+/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
 pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     let q_index_mcp = q[coordinate::INDEX_MCP];
     let q_index_pip = q[coordinate::INDEX_PIP];
     let q_index_dip = q[coordinate::INDEX_DIP];
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_ab_1 = mul_sub(
-        cos_index_pip,
-        cos_index_dip,
-        sin_index_pip * sin_index_dip,
-    );
-    let index_ab_2 = mul_add(0.0224, cos_index_pip, 0.039799999999999995);
-    let index_ab_3 = mul_add(0.0079, index_ab_1, index_ab_2);
-    let index_ab_4 = 0.0026754431356501404 * index_ab_3;
-    let index_ab_5 = mul_add(
-        sin_index_pip,
-        cos_index_dip,
-        cos_index_pip * sin_index_dip,
-    );
-    let index_ab_6 = neg_mul_add(
-        index_ab_5,
-        2.2883956953594213e-8 * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, 8.843231377702265e-8),
-    );
-    let index_ab_7 = mul_add(0.0112, cos_index_pip, 0.039799999999999995);
-    let index_ab_8 = 0.0049541659510049605 * index_ab_7;
-    let index_ab_9 = neg_mul_add(
-        sin_index_pip,
-        1.2788353708194133e-7 * sin_index_pip,
-        mul_add(index_ab_7, index_ab_8, 2.8641684751410007e-7),
-    );
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_10 = 0.0224 * sin_index_pip;
-    let index_ab_11 = mul_add(0.0079, index_ab_5, index_ab_10);
-    let index_ab_12 = 2.2883956953594213e-8 * index_ab_1;
-    let index_ab_13 = 0.0112 * sin_index_pip;
-    let index_ab_14 = 1.2788353708194133e-7 * cos_index_pip;
-    let index_ab_15 = mul_add(index_ab_13, index_ab_8, sin_index_pip * index_ab_14)
-        + mul_add(index_ab_11, index_ab_4, index_ab_5 * index_ab_12);
-    let index_ab_16 = neg_mul_add(
+    let index_ab_1 = mul_add(
         sin_index_mcp,
-        index_ab_15,
-        cos_index_mcp * (6.108011569195822e-6 + (index_ab_9 + index_ab_6)),
-    );
-    let index_ab_17 = 0.0026754431356501404 * index_ab_11;
-    let index_ab_18 = index_ab_11 * index_ab_17;
-    let index_ab_19 = index_ab_13 * (5.5486658651255556e-5 * sin_index_pip);
-    let index_ab_20 = neg_mul_add(
         cos_index_pip,
-        index_ab_14,
-        2.8641684751410007e-7 + index_ab_19,
-    ) + neg_mul_add(index_ab_1, index_ab_12, 8.843231377702265e-8 + index_ab_18);
-    matrix[0] = neg_mul_add(
-        sin_index_mcp,
+        cos_index_mcp * sin_index_pip,
+    );
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_ab_2 = mul_sub(
+        cos_index_mcp,
+        cos_index_pip,
+        sin_index_mcp * sin_index_pip,
+    );
+    let index_ab_3 = 2.113600077163611e-5
+        * mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
+    let index_ab_4 = 0.0224 * index_ab_2 * index_ab_3;
+    let index_ab_5 = mul_add(
+        2.0,
+        index_ab_4,
+        neg_mul_add(
+            index_ab_1,
+            2.0917644617198177e-6 * index_ab_1,
+            1.0458822308599088e-6,
+        ),
+    );
+    let index_ab_6 = 0.0001154165848898187 * index_ab_2;
+    let index_ab_7 = 0.039799999999999995 * cos_index_mcp;
+    let index_ab_8 = mul_add(
+        2.0,
+        index_ab_7 * (index_ab_6 + index_ab_3),
         neg_mul_add(
             sin_index_mcp,
-            4.511964479704354e-7 + index_ab_20,
-            cos_index_mcp * index_ab_15,
+            1.7742421098850526e-5 * sin_index_mcp,
+            8.871210549425263e-6,
         ),
-        cos_index_mcp * index_ab_16,
     );
-    let index_mcp_1 = 8.843231377702265e-8
-        + mul_add(index_ab_3, index_ab_4, index_ab_18);
-    let index_mcp_2 = 2.8641684751410007e-7
-        + mul_add(index_ab_7, index_ab_8, index_ab_19) + index_mcp_1;
-    matrix[5] = 6.108011569195822e-6 + index_mcp_2;
-    let index_mcp_3 = index_ab_8 + index_ab_4;
-    let index_mcp_4 = neg_mul_add(0.039799999999999995, index_mcp_3, index_mcp_2);
-    matrix[6] = index_mcp_4;
-    let index_mcp_5 = index_mcp_1
-        - mul_add(index_ab_10, index_ab_17, index_ab_2 * index_ab_4);
-    matrix[7] = index_mcp_5;
-    matrix[9] = index_mcp_4;
-    matrix[10] = mul_add(
-        0.039799999999999995,
-        0.00030365844164887296 - index_mcp_3,
-        index_mcp_4,
-    );
-    let index_pip_1 = mul_sub(0.0026754431356501404, index_ab_2, index_ab_4);
-    let index_pip_2 = mul_add(0.039799999999999995, index_pip_1, index_mcp_5);
-    matrix[11] = index_pip_2;
-    matrix[13] = index_mcp_5;
-    matrix[14] = index_pip_2;
-    let index_dip_1 = mul_add(
-        index_ab_10,
-        mul_sub(5.9929926238563145e-5, sin_index_pip, index_ab_17),
-        index_ab_2 * index_pip_1,
-    );
-    matrix[15] = index_mcp_5 + index_dip_1;
+    let index_ab_9 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
+    matrix[0] = neg_mul_add(
+        index_ab_9,
+        1.8985836304951953e-7 * index_ab_9,
+        9.492918152475976e-8,
+    ) + (1.0687300077035954e-5 + index_ab_8 + index_ab_5);
+    let index_mcp_1 = 2.113600077163611e-5 * index_ab_9;
+    let index_mcp_2 = mul_add(0.0224 * index_ab_1, index_mcp_1, index_ab_4);
+    let index_mcp_3 = 2.5540671987294797e-7 + index_mcp_2;
+    let index_mcp_4 = 2.2502977721519766e-6 + index_mcp_2 + index_mcp_3;
+    let index_mcp_5 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_6 = mul_add(index_mcp_5, index_mcp_1, index_ab_7 * index_ab_3);
+    let index_mcp_7 = mul_add(
+        index_mcp_5,
+        0.0001154165848898187 * index_ab_1,
+        index_ab_7 * index_ab_6,
+    ) + index_mcp_6;
+    let index_mcp_8 = index_mcp_7 + index_mcp_4;
+    matrix[5] = 1.8193617546820962e-5 + index_mcp_7 + index_mcp_8;
+    matrix[6] = index_mcp_8;
+    let index_mcp_9 = index_mcp_6 + index_mcp_3;
+    matrix[7] = index_mcp_9;
+    matrix[9] = index_mcp_8;
+    matrix[10] = index_mcp_4;
+    matrix[11] = index_mcp_3;
+    matrix[13] = index_mcp_9;
+    matrix[14] = index_mcp_3;
+    matrix[15] = 2.5540671987294797e-7;
 }

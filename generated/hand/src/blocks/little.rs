@@ -15,7 +15,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 ///
 /// Strands: `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79).
 ///
-/// 360 operations: 37 sums, 95 products, 103 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
+/// 325 operations: 44 sums, 93 products, 83 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -39,118 +39,80 @@ pub fn evaluate(
     let rest_little_edc = rest[strand::LITTLE_EDC];
     let rest_little_interosseous = rest[strand::LITTLE_INTEROSSEOUS];
     let rest_little_band = rest[strand::LITTLE_BAND];
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_ab_1 = mul_sub(
-        cos_little_pip,
-        cos_little_dip,
-        sin_little_pip * sin_little_dip,
-    );
-    let little_ab_2 = mul_add(0.0181, cos_little_pip, 0.0327);
-    let little_ab_3 = mul_add(0.008, little_ab_1, little_ab_2);
-    let little_ab_4 = 0.002709309504455838 * little_ab_3;
-    let little_ab_5 = mul_add(
-        sin_little_pip,
-        cos_little_dip,
-        cos_little_pip * sin_little_dip,
-    );
-    let little_ab_6 = neg_mul_add(
-        little_ab_5,
-        2.4609561332140534e-8 * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, 9.098764419130856e-8),
-    );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_ab_7 = v_little_ab * cos_little_mcp;
-    let little_ab_8 = 0.0181 * sin_little_pip;
-    let little_ab_9 = mul_add(0.008, little_ab_5, little_ab_8);
-    let little_ab_10 = 2.4609561332140534e-8 * little_ab_1;
-    let little_ab_11 = mul_add(little_ab_9, little_ab_4, little_ab_5 * little_ab_10);
-    let little_ab_12 = v_little_ab * sin_little_mcp;
-    let little_ab_13 = neg_mul_add(
-        little_ab_12,
-        little_ab_11,
-        little_ab_7 * little_ab_6,
-    );
-    let little_ab_14 = mul_add(0.00905, cos_little_pip, 0.0327);
-    let little_ab_15 = 0.004003143022910258 * little_ab_14;
-    let little_ab_16 = neg_mul_add(
-        sin_little_pip,
-        4.523885211140502e-8 * sin_little_pip,
-        mul_add(little_ab_14, little_ab_15, 1.7333942884453325e-7),
-    );
-    let little_ab_17 = 0.00905 * sin_little_pip;
-    let little_ab_18 = 4.523885211140502e-8 * cos_little_pip;
-    let little_ab_19 = mul_add(
-        little_ab_17,
-        little_ab_15,
-        sin_little_pip * little_ab_18,
-    );
-    let little_ab_20 = neg_mul_add(
-        little_ab_12,
-        little_ab_19,
-        little_ab_7 * little_ab_16,
-    ) + little_ab_13;
-    let little_ab_21 = mul_add(3.4478462505758233e-6, little_ab_7, little_ab_20);
-    let little_ab_22 = 0.002709309504455838 * little_ab_9;
-    let little_ab_23 = little_ab_9 * little_ab_22;
-    let little_ab_24 = neg_mul_add(
-        little_ab_12,
-        neg_mul_add(little_ab_1, little_ab_10, 9.098764419130856e-8 + little_ab_23),
-        little_ab_7 * little_ab_11,
-    );
-    let little_ab_25 = 3.622844435733784e-5 * sin_little_pip;
-    let little_ab_26 = little_ab_17 * little_ab_25;
-    let little_ab_27 = neg_mul_add(
-        little_ab_12,
-        neg_mul_add(cos_little_pip, little_ab_18, 1.7333942884453325e-7 + little_ab_26),
-        little_ab_7 * little_ab_19,
-    );
-    let little_ab_28 = little_ab_27 + little_ab_24;
-    let little_ab_29 = neg_mul_add(3.7070662936264426e-7, little_ab_12, little_ab_28);
-    momentum[coordinate::LITTLE_AB] = neg_mul_add(
+    let little_ab_1 = mul_add(
         sin_little_mcp,
-        little_ab_29,
-        cos_little_mcp * little_ab_21,
+        cos_little_pip,
+        cos_little_mcp * sin_little_pip,
     );
+    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
+    let little_ab_2 = mul_sub(
+        cos_little_mcp,
+        cos_little_pip,
+        sin_little_mcp * sin_little_pip,
+    );
+    let little_ab_3 = mul_sub(cos_little_dip, little_ab_2, sin_little_dip * little_ab_1);
+    let little_ab_4 = 2.1674476035646702e-5 * little_ab_3;
+    let little_ab_5 = 0.0181 * little_ab_2;
+    let little_ab_6 = 1.2607031603000897e-6 * little_ab_1;
+    let little_ab_7 = mul_add(
+        2.0,
+        little_ab_5 * little_ab_4,
+        neg_mul_add(little_ab_1, little_ab_6, 6.303515801500448e-7),
+    );
+    let little_ab_8 = 8.52669463879885e-5 * little_ab_2;
+    let little_ab_9 = 0.0327 * cos_little_mcp;
+    let little_ab_10 = 1.0254697984200472e-5 * sin_little_mcp;
+    let little_ab_11 = mul_add(
+        2.0,
+        little_ab_9 * (little_ab_8 + little_ab_4),
+        neg_mul_add(sin_little_mcp, little_ab_10, 5.127348992100236e-6),
+    );
+    let little_ab_12 = mul_add(
+        cos_little_dip,
+        little_ab_1,
+        sin_little_dip * little_ab_2,
+    );
+    let little_ab_13 = 1.980053696173141e-7 * little_ab_12;
+    let little_ab_14 = neg_mul_add(little_ab_12, little_ab_13, 9.900268480865706e-8)
+        + (6.421888546013878e-6 + little_ab_11 + little_ab_7);
+    momentum[coordinate::LITTLE_AB] = v_little_ab * little_ab_14;
     let little_mcp_1 = v_little_mcp + v_little_pip;
     let little_mcp_2 = v_little_dip + little_mcp_1;
-    let little_mcp_3 = 0.0327 * v_little_pip;
-    let little_mcp_4 = mul_add(v_little_dip, little_ab_2, little_mcp_3);
-    let little_mcp_5 = v_little_dip * little_ab_8;
-    let little_mcp_6 = mul_sub(
+    let little_mcp_3 = little_mcp_2 * little_ab_4;
+    let little_mcp_4 = 2.1674476035646702e-5 * little_ab_12;
+    let little_mcp_5 = little_mcp_2 * little_mcp_4;
+    let little_mcp_6 = 0.0181 * little_ab_1;
+    let little_mcp_7 = v_little_mcp * little_ab_9;
+    let little_mcp_8 = 8.52669463879885e-5 * little_ab_1;
+    let little_mcp_9 = 0.0327 * sin_little_mcp;
+    let little_mcp_10 = v_little_mcp * little_mcp_9;
+    let little_mcp_11 = mul_add(little_mcp_6, little_mcp_5, little_ab_5 * little_mcp_3)
+        + mul_add(little_mcp_10, little_mcp_8, little_mcp_7 * little_ab_8);
+    let little_mcp_12 = little_mcp_1 * little_ab_5;
+    let little_mcp_13 = little_mcp_7 + little_mcp_12;
+    let little_mcp_14 = little_mcp_1 * little_mcp_6;
+    let little_mcp_15 = little_mcp_10 + little_mcp_14;
+    let little_mcp_16 = mul_add(
+        2.6438345247648215e-7,
         little_mcp_2,
-        9.098764419130856e-8 + mul_add(little_ab_3, little_ab_4, little_ab_23),
-        mul_add(little_mcp_5, little_ab_22, little_mcp_4 * little_ab_4),
+        mul_add(little_mcp_15, little_mcp_4, little_mcp_13 * little_ab_4),
     );
-    let little_mcp_7 = mul_sub(
-        little_mcp_1,
-        1.7333942884453325e-7 + mul_add(little_ab_14, little_ab_15, little_ab_26),
-        little_mcp_3 * little_ab_15,
-    );
-    let little_mcp_8 = little_mcp_7 + little_mcp_6;
-    momentum[coordinate::LITTLE_MCP] = mul_add(
-        3.4478462505758233e-6,
+    let little_mcp_17 = little_mcp_16
+        + mul_add(1.388803737033218e-6, little_mcp_1, little_mcp_11);
+    let little_mcp_18 = little_mcp_1 * little_ab_8;
+    let little_mcp_19 = little_mcp_18 + little_mcp_3;
+    let little_mcp_20 = little_mcp_1 * little_mcp_8;
+    let little_mcp_21 = little_mcp_20 + little_mcp_5;
+    let little_mcp_22 = mul_add(
+        1.0625404613563116e-5,
         v_little_mcp,
-        little_mcp_8,
+        mul_add(little_mcp_9, little_mcp_21, little_ab_9 * little_mcp_19),
     );
-    let little_pip_1 = mul_sub(
-        0.002709309504455838,
-        little_mcp_4,
-        little_mcp_2 * little_ab_4,
-    );
-    momentum[coordinate::LITTLE_PIP] = mul_add(
-        0.0327,
-        mul_sub(0.00013090277684916541, v_little_pip, little_mcp_1 * little_ab_15)
-            + little_pip_1,
-        little_mcp_8,
-    );
-    let little_dip_1 = mul_sub(
-        0.002709309504455838,
-        little_mcp_5,
-        little_mcp_2 * little_ab_22,
-    );
-    momentum[coordinate::LITTLE_DIP] = little_mcp_6
-        + mul_add(little_ab_8, little_dip_1, little_ab_2 * little_pip_1);
+    momentum[coordinate::LITTLE_MCP] = little_mcp_17 + little_mcp_22;
+    momentum[coordinate::LITTLE_PIP] = little_mcp_17;
+    momentum[coordinate::LITTLE_DIP] = little_mcp_16;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_fdp_1 = neg_mul_add(
         0.012,
@@ -173,21 +135,24 @@ pub fn evaluate(
     );
     let little_fdp_8 = sqrt(little_fdp_7);
     let little_fdp_9 = 1.0 / little_fdp_8;
-    let little_fdp_10 = little_fdp_3 * little_fdp_9;
-    let little_fdp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.1621999999999991e-5, cos_little_pip, 0.000156418 * sin_little_pip),
-        0.000323790404,
+    let little_fdp_10 = sqrt(
+        0.000323790404
+            - neg_mul_add(
+                2.3243999999999983e-5,
+                cos_little_pip,
+                0.000312836 * sin_little_pip,
+            ),
     );
-    let little_fdp_12 = sqrt(little_fdp_11);
-    let little_fdp_13 = neg_mul_add(
-        2.0,
-        mul_add(1.3619199999999997e-5, cos_little_dip, 6.9608e-5 * sin_little_dip),
-        0.00014204462400000002,
+    let little_fdp_11 = sqrt(
+        0.00014204462400000002
+            - mul_add(
+                2.7238399999999993e-5,
+                cos_little_dip,
+                0.000139216 * sin_little_dip,
+            ),
     );
-    let little_fdp_14 = sqrt(little_fdp_13);
-    let little_fdp_15 = k_flexor
-        * (0.1069781758046222 + little_fdp_8 + little_fdp_12 + little_fdp_14
+    let little_fdp_12 = k_flexor
+        * (0.1069781758046222 + little_fdp_8 + little_fdp_10 + little_fdp_11
             - rest_little_fdp);
     let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
     let little_edc_2 = mul_add(
@@ -210,32 +175,23 @@ pub fn evaluate(
     );
     let little_edc_8 = sqrt(little_edc_7);
     let little_edc_9 = 1.0 / little_edc_8;
-    let little_edc_10 = little_edc_3 * little_edc_9;
-    let little_edc_11 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_little_pip,
-            3.6000000000000014e-5 * sin_little_pip,
-        ),
-        0.00016999999999999999,
+    let little_edc_10 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_little_pip,
+                7.200000000000003e-5 * sin_little_pip,
+            ),
     );
-    let little_edc_12 = sqrt(little_edc_11);
-    let little_edc_13 = k_extensor
-        * (0.12844554910897665 + little_edc_8 + little_edc_12 - rest_little_edc);
-    let little_edc_14 = neg_mul_add(
-        little_edc_4,
-        little_edc_10,
-        little_edc_2 * (little_edc_4 * little_edc_9),
-    ) * little_edc_13;
-    let little_ab_30 = mul_sub(
-        mul_add(
-            little_fdp_4,
-            little_fdp_10,
-            little_fdp_1 * (little_fdp_4 * little_fdp_9),
-        ),
-        little_fdp_15,
-        little_edc_14,
+    let little_edc_11 = k_extensor
+        * (0.12844554910897665 + little_edc_8 + little_edc_10 - rest_little_edc);
+    let little_edc_12 = little_edc_9
+        * mul_sub(little_edc_2, little_edc_4, little_edc_4 * little_edc_3)
+        * little_edc_11;
+    let little_ab_15 = mul_sub(
+        little_fdp_9 * mul_add(little_fdp_1, little_fdp_4, little_fdp_4 * little_fdp_3),
+        little_fdp_12,
+        little_edc_12,
     );
     let little_interosseous_1 = 0.008 * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
@@ -269,17 +225,17 @@ pub fn evaluate(
     );
     let little_interosseous_11 = sqrt(little_interosseous_10);
     let little_interosseous_12 = 1.0 / little_interosseous_11;
-    let little_interosseous_13 = little_interosseous_4 * little_interosseous_12;
-    let little_interosseous_14 = k_intrinsic
+    let little_interosseous_13 = k_intrinsic
         * (0.03086243671520445 + little_interosseous_11 - rest_little_interosseous);
-    let little_ab_31 = mul_add(
-        mul_add(
-            little_interosseous_5,
-            little_interosseous_13,
-            little_interosseous_3 * (little_interosseous_6 * little_interosseous_12),
-        ),
-        little_interosseous_14,
-        little_ab_30,
+    let little_ab_16 = mul_add(
+        little_interosseous_12
+            * mul_add(
+                little_interosseous_3,
+                little_interosseous_6,
+                little_interosseous_5 * little_interosseous_4,
+            ),
+        little_interosseous_13,
+        little_ab_15,
     );
     let little_band_1 = neg_mul_add(
         0.007999999999999998,
@@ -303,125 +259,122 @@ pub fn evaluate(
     );
     let little_band_9 = sqrt(little_band_8);
     let little_band_10 = 1.0 / little_band_9;
-    let little_band_11 = little_band_3 * little_band_10;
-    let little_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(2.7e-5, cos_little_pip, 3.5999999999999994e-5 * sin_little_pip),
-        8.999999999999998e-5,
+    let little_band_11 = sqrt(
+        8.999999999999998e-5
+            - mul_sub(5.4e-5, cos_little_pip, 7.199999999999999e-5 * sin_little_pip),
     );
-    let little_band_13 = sqrt(little_band_12);
-    let little_band_14 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_little_dip, 2.5999999999999988e-5 * sin_little_dip),
-        9.649999999999999e-5,
+    let little_band_12 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_little_dip, 5.1999999999999976e-5 * sin_little_dip),
     );
-    let little_band_15 = sqrt(little_band_14);
-    let little_band_16 = k_intrinsic
-        * (0.06932376200206641 + little_band_9 + little_band_13 + little_band_15
+    let little_band_13 = k_intrinsic
+        * (0.06932376200206641 + little_band_9 + little_band_11 + little_band_12
             - rest_little_band);
     force[coordinate::LITTLE_AB] = neg_mul_add(
-        neg_mul_add(
-            little_band_4,
-            little_band_11,
-            little_band_1 * (little_band_5 * little_band_10),
-        ),
-        little_band_16,
-        little_ab_31,
+        little_band_10
+            * mul_sub(little_band_1, little_band_5, little_band_4 * little_band_3),
+        little_band_13,
+        little_ab_16,
     );
-    let little_mcp_9 = mul_sub(
-        mul_add(
-            little_fdp_5,
-            little_fdp_10,
-            little_fdp_2 * (little_fdp_6 * little_fdp_9),
-        ),
-        little_fdp_15,
-        mul_add(little_ab_7, little_ab_29, little_ab_12 * little_ab_21),
+    let little_mcp_23 = v_little_ab * little_ab_4;
+    let little_mcp_24 = neg_mul_add(
+        v_little_ab * little_mcp_6,
+        little_mcp_23,
+        neg_mul_add(little_mcp_14, little_mcp_3, little_mcp_12 * little_mcp_5),
     );
-    let little_mcp_10 = neg_mul_add(
-        mul_sub(
-            little_edc_5,
-            little_edc_10,
-            little_edc_1 * (little_edc_6 * little_edc_9),
-        ),
-        little_edc_13,
-        little_mcp_9,
+    let little_mcp_25 = v_little_ab * little_ab_9;
+    let little_mcp_26 = neg_mul_add(
+        little_mcp_25,
+        v_little_ab * little_mcp_8,
+        neg_mul_add(little_mcp_7, little_mcp_20, little_mcp_10 * little_mcp_18),
     );
-    let little_mcp_11 = mul_add(
-        mul_add(
-            little_interosseous_8,
-            little_interosseous_13,
-            little_interosseous_2 * (little_interosseous_9 * little_interosseous_12),
-        ),
-        little_interosseous_14,
-        little_mcp_10,
+    let little_mcp_27 = v_little_ab * v_little_ab;
+    let little_mcp_28 = neg_mul_add(
+        mul_add(v_little_ab, little_ab_5, little_mcp_25),
+        v_little_ab * little_mcp_4,
+        neg_mul_add(little_mcp_13, little_mcp_5, little_mcp_15 * little_mcp_3),
+    );
+    let little_mcp_29 = neg_mul_add(
+        little_ab_3 * little_ab_13,
+        little_mcp_27,
+        little_mcp_28,
+    );
+    let little_mcp_30 = little_mcp_29
+        + neg_mul_add(
+            little_ab_2 * little_ab_6,
+            little_mcp_27,
+            little_mcp_24 + little_mcp_26,
+        );
+    let little_mcp_31 = neg_mul_add(
+        v_little_ab * little_mcp_9,
+        mul_add(v_little_ab, little_ab_8, little_mcp_23),
+        neg_mul_add(little_mcp_10, little_mcp_19, little_mcp_7 * little_mcp_21),
+    );
+    let little_mcp_32 = mul_add(
+        little_fdp_9 * mul_add(little_fdp_5, little_fdp_3, little_fdp_2 * little_fdp_6),
+        little_fdp_12,
+        little_mcp_30
+            + neg_mul_add(cos_little_mcp * little_ab_10, little_mcp_27, little_mcp_31),
+    );
+    let little_mcp_33 = neg_mul_add(
+        little_edc_9 * mul_sub(little_edc_5, little_edc_3, little_edc_1 * little_edc_6),
+        little_edc_11,
+        little_mcp_32,
+    );
+    let little_mcp_34 = mul_add(
+        little_interosseous_12
+            * mul_add(
+                little_interosseous_8,
+                little_interosseous_4,
+                little_interosseous_2 * little_interosseous_9,
+            ),
+        little_interosseous_13,
+        little_mcp_33,
     );
     force[coordinate::LITTLE_MCP] = mul_add(
-        mul_add(
-            little_band_6,
-            little_band_11,
-            little_band_2 * (little_band_7 * little_band_10),
-        ),
-        little_band_16,
-        little_mcp_11,
+        little_band_10
+            * mul_add(little_band_6, little_band_3, little_band_2 * little_band_7),
+        little_band_13,
+        little_mcp_34,
     );
-    let little_pip_2 = mul_sub(little_ab_12, little_ab_22, little_ab_7 * little_ab_4);
-    let little_pip_3 = 0.0327 * little_ab_12
-        * (mul_sub(little_ab_12, little_ab_25, little_ab_7 * little_ab_15)
-            + little_pip_2);
-    let little_pip_4 = mul_sub(
-        0.0327 * v_little_mcp,
-        neg_mul_add(little_mcp_1, little_ab_25, little_dip_1),
-        little_pip_3,
-    );
-    let little_fdp_16 = mul_add(
+    let little_fdp_13 = mul_add(
         1.1621999999999991e-5,
         sin_little_pip,
         0.000156418 * cos_little_pip,
-    ) / little_fdp_12;
-    let little_pip_5 = mul_add(
-        little_fdp_16,
-        little_fdp_15,
-        little_pip_4 - mul_add(little_ab_7, little_ab_28, little_ab_12 * little_ab_20),
-    );
-    let little_edc_15 = mul_add(
+    ) / little_fdp_10;
+    let little_edc_13 = mul_add(
         7.699999999999999e-5,
         sin_little_pip,
         3.6000000000000014e-5 * cos_little_pip,
-    ) / little_edc_12;
-    let little_band_17 = mul_add(
+    ) / little_edc_10;
+    let little_band_14 = mul_add(
         2.7e-5,
         sin_little_pip,
         3.5999999999999994e-5 * cos_little_pip,
-    ) / little_band_13;
+    ) / little_band_11;
     force[coordinate::LITTLE_PIP] = neg_mul_add(
-        little_band_17,
-        little_band_16,
-        neg_mul_add(little_edc_15, little_edc_13, little_pip_5),
+        little_band_14,
+        little_band_13,
+        neg_mul_add(
+            little_edc_13,
+            little_edc_11,
+            mul_add(little_fdp_13, little_fdp_12, little_mcp_30),
+        ),
     );
-    let little_dip_2 = mul_sub(
-        mul_sub(little_ab_2, little_mcp_1, little_mcp_3),
-        little_dip_1,
-        mul_add(little_ab_8, little_ab_7, little_ab_2 * little_ab_12) * little_pip_2,
-    );
-    let little_dip_3 = neg_mul_add(
-        little_ab_8 * little_mcp_1,
-        little_pip_1,
-        little_dip_2,
-    ) - mul_add(little_ab_7, little_ab_24, little_ab_12 * little_ab_13);
-    let little_fdp_17 = mul_sub(
+    let little_fdp_14 = mul_sub(
         1.3619199999999997e-5,
         sin_little_dip,
         6.9608e-5 * cos_little_dip,
-    ) / little_fdp_14;
-    let little_band_18 = mul_add(
+    ) / little_fdp_11;
+    let little_band_15 = mul_add(
         3.825e-5,
         sin_little_dip,
         2.5999999999999988e-5 * cos_little_dip,
-    ) / little_band_15;
+    ) / little_band_12;
     force[coordinate::LITTLE_DIP] = neg_mul_add(
-        little_band_18,
-        little_band_16,
-        neg_mul_add(little_fdp_17, little_fdp_15, little_dip_3),
+        little_band_15,
+        little_band_13,
+        neg_mul_add(little_fdp_14, little_fdp_12, little_mcp_29),
     );
 }
 
@@ -433,7 +386,7 @@ pub fn evaluate(
 ///
 /// Strands: `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79).
 ///
-/// 790 operations: 83 sums, 206 products, 239 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
+/// 619 operations: 96 sums, 194 products, 153 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate_with_matrix(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -459,121 +412,77 @@ pub fn evaluate_with_matrix(
     let rest_little_edc = rest[strand::LITTLE_EDC];
     let rest_little_interosseous = rest[strand::LITTLE_INTEROSSEOUS];
     let rest_little_band = rest[strand::LITTLE_BAND];
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_ab_1 = mul_sub(
-        cos_little_pip,
-        cos_little_dip,
-        sin_little_pip * sin_little_dip,
-    );
-    let little_ab_2 = mul_add(0.0181, cos_little_pip, 0.0327);
-    let little_ab_3 = mul_add(0.008, little_ab_1, little_ab_2);
-    let little_ab_4 = 0.002709309504455838 * little_ab_3;
-    let little_ab_5 = mul_add(
-        sin_little_pip,
-        cos_little_dip,
-        cos_little_pip * sin_little_dip,
-    );
-    let little_ab_6 = neg_mul_add(
-        little_ab_5,
-        2.4609561332140534e-8 * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, 9.098764419130856e-8),
-    );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_ab_7 = v_little_ab * cos_little_mcp;
-    let little_ab_8 = 0.0181 * sin_little_pip;
-    let little_ab_9 = mul_add(0.008, little_ab_5, little_ab_8);
-    let little_ab_10 = 2.4609561332140534e-8 * little_ab_1;
-    let little_ab_11 = mul_add(little_ab_9, little_ab_4, little_ab_5 * little_ab_10);
-    let little_ab_12 = v_little_ab * sin_little_mcp;
-    let little_ab_13 = little_ab_12 * little_ab_11;
-    let little_ab_14 = mul_sub(little_ab_7, little_ab_6, little_ab_13);
-    let little_ab_15 = mul_add(0.00905, cos_little_pip, 0.0327);
-    let little_ab_16 = 0.004003143022910258 * little_ab_15;
-    let little_ab_17 = neg_mul_add(
-        sin_little_pip,
-        4.523885211140502e-8 * sin_little_pip,
-        mul_add(little_ab_15, little_ab_16, 1.7333942884453325e-7),
-    );
-    let little_ab_18 = 0.00905 * sin_little_pip;
-    let little_ab_19 = 4.523885211140502e-8 * cos_little_pip;
-    let little_ab_20 = mul_add(
-        little_ab_18,
-        little_ab_16,
-        sin_little_pip * little_ab_19,
-    );
-    let little_ab_21 = neg_mul_add(
-        little_ab_12,
-        little_ab_20,
-        little_ab_7 * little_ab_17,
-    ) + little_ab_14;
-    let little_ab_22 = mul_add(3.4478462505758233e-6, little_ab_7, little_ab_21);
-    let little_ab_23 = 0.002709309504455838 * little_ab_9;
-    let little_ab_24 = little_ab_9 * little_ab_23;
-    let little_ab_25 = neg_mul_add(
-        little_ab_1,
-        little_ab_10,
-        9.098764419130856e-8 + little_ab_24,
-    );
-    let little_ab_26 = little_ab_7 * little_ab_11;
-    let little_ab_27 = neg_mul_add(little_ab_12, little_ab_25, little_ab_26);
-    let little_ab_28 = 3.622844435733784e-5 * sin_little_pip;
-    let little_ab_29 = little_ab_18 * little_ab_28;
-    let little_ab_30 = neg_mul_add(
-        cos_little_pip,
-        little_ab_19,
-        1.7333942884453325e-7 + little_ab_29,
-    );
-    let little_ab_31 = neg_mul_add(
-        little_ab_12,
-        little_ab_30,
-        little_ab_7 * little_ab_20,
-    ) + little_ab_27;
-    let little_ab_32 = neg_mul_add(3.7070662936264426e-7, little_ab_12, little_ab_31);
-    momentum[coordinate::LITTLE_AB] = neg_mul_add(
+    let little_ab_1 = mul_add(
         sin_little_mcp,
-        little_ab_32,
-        cos_little_mcp * little_ab_22,
+        cos_little_pip,
+        cos_little_mcp * sin_little_pip,
     );
-    let little_mcp_1 = 9.098764419130856e-8
-        + mul_add(little_ab_3, little_ab_4, little_ab_24);
-    let little_mcp_2 = v_little_mcp + v_little_pip;
-    let little_mcp_3 = v_little_dip + little_mcp_2;
-    let little_mcp_4 = 0.0327 * v_little_pip;
-    let little_mcp_5 = mul_add(v_little_dip, little_ab_2, little_mcp_4);
-    let little_mcp_6 = v_little_dip * little_ab_8;
-    let little_mcp_7 = mul_sub(
-        little_mcp_3,
-        little_mcp_1,
-        mul_add(little_mcp_6, little_ab_23, little_mcp_5 * little_ab_4),
+    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
+    let little_ab_2 = mul_sub(
+        cos_little_mcp,
+        cos_little_pip,
+        sin_little_mcp * sin_little_pip,
     );
-    let little_mcp_8 = 1.7333942884453325e-7
-        + mul_add(little_ab_15, little_ab_16, little_ab_29);
-    let little_mcp_9 = mul_sub(little_mcp_2, little_mcp_8, little_mcp_4 * little_ab_16)
-        + little_mcp_7;
-    momentum[coordinate::LITTLE_MCP] = mul_add(
-        3.4478462505758233e-6,
+    let little_ab_3 = mul_sub(cos_little_dip, little_ab_2, sin_little_dip * little_ab_1);
+    let little_ab_4 = 2.1674476035646702e-5 * little_ab_3;
+    let little_ab_5 = 0.0181 * little_ab_2;
+    let little_ab_6 = little_ab_5 * little_ab_4;
+    let little_ab_7 = 1.2607031603000897e-6 * little_ab_1;
+    let little_ab_8 = neg_mul_add(little_ab_1, little_ab_7, 6.303515801500448e-7);
+    let little_ab_9 = 8.52669463879885e-5 * little_ab_2;
+    let little_ab_10 = little_ab_9 + little_ab_4;
+    let little_ab_11 = 0.0327 * cos_little_mcp;
+    let little_ab_12 = 1.0254697984200472e-5 * sin_little_mcp;
+    let little_ab_13 = neg_mul_add(sin_little_mcp, little_ab_12, 5.127348992100236e-6);
+    let little_ab_14 = 6.421888546013878e-6
+        + mul_add(2.0, little_ab_11 * little_ab_10, little_ab_13)
+        + mul_add(2.0, little_ab_6, little_ab_8);
+    let little_ab_15 = mul_add(
+        cos_little_dip,
+        little_ab_1,
+        sin_little_dip * little_ab_2,
+    );
+    let little_ab_16 = 1.980053696173141e-7 * little_ab_15;
+    let little_ab_17 = neg_mul_add(little_ab_15, little_ab_16, 9.900268480865706e-8);
+    let little_ab_18 = little_ab_17 + little_ab_14;
+    momentum[coordinate::LITTLE_AB] = v_little_ab * little_ab_18;
+    let little_mcp_1 = v_little_mcp + v_little_pip;
+    let little_mcp_2 = v_little_dip + little_mcp_1;
+    let little_mcp_3 = little_mcp_2 * little_ab_4;
+    let little_mcp_4 = 2.1674476035646702e-5 * little_ab_15;
+    let little_mcp_5 = little_mcp_2 * little_mcp_4;
+    let little_mcp_6 = 0.0181 * little_ab_1;
+    let little_mcp_7 = v_little_mcp * little_ab_11;
+    let little_mcp_8 = 8.52669463879885e-5 * little_ab_1;
+    let little_mcp_9 = 0.0327 * sin_little_mcp;
+    let little_mcp_10 = v_little_mcp * little_mcp_9;
+    let little_mcp_11 = mul_add(little_mcp_6, little_mcp_5, little_ab_5 * little_mcp_3)
+        + mul_add(little_mcp_10, little_mcp_8, little_mcp_7 * little_ab_9);
+    let little_mcp_12 = little_mcp_1 * little_ab_5;
+    let little_mcp_13 = little_mcp_7 + little_mcp_12;
+    let little_mcp_14 = little_mcp_1 * little_mcp_6;
+    let little_mcp_15 = little_mcp_10 + little_mcp_14;
+    let little_mcp_16 = mul_add(
+        2.6438345247648215e-7,
+        little_mcp_2,
+        mul_add(little_mcp_15, little_mcp_4, little_mcp_13 * little_ab_4),
+    );
+    let little_mcp_17 = little_mcp_16
+        + mul_add(1.388803737033218e-6, little_mcp_1, little_mcp_11);
+    let little_mcp_18 = little_mcp_1 * little_ab_9;
+    let little_mcp_19 = little_mcp_18 + little_mcp_3;
+    let little_mcp_20 = little_mcp_1 * little_mcp_8;
+    let little_mcp_21 = little_mcp_20 + little_mcp_5;
+    let little_mcp_22 = mul_add(
+        1.0625404613563116e-5,
         v_little_mcp,
-        little_mcp_9,
+        mul_add(little_mcp_9, little_mcp_21, little_ab_11 * little_mcp_19),
     );
-    let little_pip_1 = mul_sub(
-        0.002709309504455838,
-        little_mcp_5,
-        little_mcp_3 * little_ab_4,
-    );
-    let little_pip_2 = mul_sub(
-        0.00013090277684916541,
-        v_little_pip,
-        little_mcp_2 * little_ab_16,
-    ) + little_pip_1;
-    momentum[coordinate::LITTLE_PIP] = mul_add(0.0327, little_pip_2, little_mcp_9);
-    let little_dip_1 = mul_sub(
-        0.002709309504455838,
-        little_mcp_6,
-        little_mcp_3 * little_ab_23,
-    );
-    momentum[coordinate::LITTLE_DIP] = little_mcp_7
-        + mul_add(little_ab_8, little_dip_1, little_ab_2 * little_pip_1);
+    momentum[coordinate::LITTLE_MCP] = little_mcp_17 + little_mcp_22;
+    momentum[coordinate::LITTLE_PIP] = little_mcp_17;
+    momentum[coordinate::LITTLE_DIP] = little_mcp_16;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_fdp_1 = neg_mul_add(
         0.012,
@@ -587,38 +496,31 @@ pub fn evaluate_with_matrix(
         cos_little_ab,
         0.012 * sin_little_ab,
     );
-    let little_fdp_5 = little_fdp_4 * little_fdp_4;
-    let little_fdp_6 = mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
-    let little_fdp_7 = 0.011 - little_fdp_6;
-    let little_fdp_8 = sqrt(
-        mul_add(
-            little_fdp_7,
-            little_fdp_7,
-            mul_add(little_fdp_3, little_fdp_3, little_fdp_5),
-        ),
+    let little_fdp_5 = mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
+    let little_fdp_6 = 0.011 - little_fdp_5;
+    let little_fdp_7 = mul_add(
+        little_fdp_6,
+        little_fdp_6,
+        mul_add(little_fdp_3, little_fdp_3, little_fdp_4 * little_fdp_4),
     );
+    let little_fdp_8 = sqrt(little_fdp_7);
     let little_fdp_9 = 1.0 / little_fdp_8;
-    let little_fdp_10 = little_fdp_3 * little_fdp_9;
-    let little_fdp_11 = little_fdp_4 * little_fdp_9;
-    let little_fdp_12 = mul_add(
-        little_fdp_4,
-        little_fdp_10,
-        little_fdp_1 * little_fdp_11,
-    );
-    let little_fdp_13 = neg_mul_add(
-        1.1621999999999991e-5,
+    let little_fdp_10 = little_fdp_9
+        * mul_add(little_fdp_1, little_fdp_4, little_fdp_4 * little_fdp_3);
+    let little_fdp_11 = neg_mul_add(
+        2.3243999999999983e-5,
         cos_little_pip,
-        0.000156418 * sin_little_pip,
+        0.000312836 * sin_little_pip,
     );
-    let little_fdp_14 = sqrt(neg_mul_add(2.0, little_fdp_13, 0.000323790404));
-    let little_fdp_15 = mul_add(
-        1.3619199999999997e-5,
+    let little_fdp_12 = sqrt(0.000323790404 - little_fdp_11);
+    let little_fdp_13 = mul_add(
+        2.7238399999999993e-5,
         cos_little_dip,
-        6.9608e-5 * sin_little_dip,
+        0.000139216 * sin_little_dip,
     );
-    let little_fdp_16 = sqrt(neg_mul_add(2.0, little_fdp_15, 0.00014204462400000002));
-    let little_fdp_17 = k_flexor
-        * (0.1069781758046222 + little_fdp_8 + little_fdp_14 + little_fdp_16
+    let little_fdp_14 = sqrt(0.00014204462400000002 - little_fdp_13);
+    let little_fdp_15 = k_flexor
+        * (0.1069781758046222 + little_fdp_8 + little_fdp_12 + little_fdp_14
             - rest_little_fdp);
     let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
     let little_edc_2 = mul_add(
@@ -632,32 +534,25 @@ pub fn evaluate_with_matrix(
         cos_little_ab,
         0.003000000000000003 * sin_little_ab,
     );
-    let little_edc_5 = little_edc_4 * little_edc_4;
-    let little_edc_6 = mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
-    let little_edc_7 = -0.011 + little_edc_6;
-    let little_edc_8 = sqrt(
-        mul_add(
-            little_edc_7,
-            little_edc_7,
-            mul_add(little_edc_3, little_edc_3, little_edc_5),
-        ),
+    let little_edc_5 = mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
+    let little_edc_6 = -0.011 + little_edc_5;
+    let little_edc_7 = mul_add(
+        little_edc_6,
+        little_edc_6,
+        mul_add(little_edc_3, little_edc_3, little_edc_4 * little_edc_4),
     );
+    let little_edc_8 = sqrt(little_edc_7);
     let little_edc_9 = 1.0 / little_edc_8;
-    let little_edc_10 = little_edc_3 * little_edc_9;
-    let little_edc_11 = little_edc_4 * little_edc_9;
-    let little_edc_12 = neg_mul_add(
-        little_edc_4,
-        little_edc_10,
-        little_edc_2 * little_edc_11,
-    );
-    let little_edc_13 = mul_sub(
-        7.699999999999999e-5,
+    let little_edc_10 = little_edc_9
+        * mul_sub(little_edc_2, little_edc_4, little_edc_4 * little_edc_3);
+    let little_edc_11 = mul_sub(
+        0.00015399999999999998,
         cos_little_pip,
-        3.6000000000000014e-5 * sin_little_pip,
+        7.200000000000003e-5 * sin_little_pip,
     );
-    let little_edc_14 = sqrt(neg_mul_add(2.0, little_edc_13, 0.00016999999999999999));
-    let little_edc_15 = k_extensor
-        * (0.12844554910897665 + little_edc_8 + little_edc_14 - rest_little_edc);
+    let little_edc_12 = sqrt(0.00016999999999999999 - little_edc_11);
+    let little_edc_13 = k_extensor
+        * (0.12844554910897665 + little_edc_8 + little_edc_12 - rest_little_edc);
     let little_interosseous_1 = 0.008 * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
         0.001,
@@ -690,19 +585,18 @@ pub fn evaluate_with_matrix(
     );
     let little_interosseous_11 = sqrt(little_interosseous_10);
     let little_interosseous_12 = 1.0 / little_interosseous_11;
-    let little_interosseous_13 = little_interosseous_4 * little_interosseous_12;
-    let little_interosseous_14 = little_interosseous_6 * little_interosseous_12;
-    let little_interosseous_15 = mul_add(
-        little_interosseous_5,
-        little_interosseous_13,
-        little_interosseous_3 * little_interosseous_14,
-    );
-    let little_interosseous_16 = k_intrinsic
+    let little_interosseous_13 = little_interosseous_12
+        * mul_add(
+            little_interosseous_3,
+            little_interosseous_6,
+            little_interosseous_5 * little_interosseous_4,
+        );
+    let little_interosseous_14 = k_intrinsic
         * (0.03086243671520445 + little_interosseous_11 - rest_little_interosseous);
-    let little_ab_33 = mul_add(
-        little_interosseous_15,
-        little_interosseous_16,
-        mul_sub(little_fdp_12, little_fdp_17, little_edc_12 * little_edc_15),
+    let little_ab_19 = mul_add(
+        little_interosseous_13,
+        little_interosseous_14,
+        mul_sub(little_fdp_10, little_fdp_15, little_edc_10 * little_edc_13),
     );
     let little_band_1 = neg_mul_add(
         0.007999999999999998,
@@ -726,531 +620,402 @@ pub fn evaluate_with_matrix(
     );
     let little_band_9 = sqrt(little_band_8);
     let little_band_10 = 1.0 / little_band_9;
-    let little_band_11 = little_band_3 * little_band_10;
-    let little_band_12 = little_band_5 * little_band_10;
-    let little_band_13 = neg_mul_add(
-        little_band_4,
-        little_band_11,
-        little_band_1 * little_band_12,
-    );
-    let little_band_14 = mul_sub(
-        2.7e-5,
+    let little_band_11 = little_band_10
+        * mul_sub(little_band_1, little_band_5, little_band_4 * little_band_3);
+    let little_band_12 = mul_sub(
+        5.4e-5,
         cos_little_pip,
-        3.5999999999999994e-5 * sin_little_pip,
+        7.199999999999999e-5 * sin_little_pip,
     );
-    let little_band_15 = sqrt(neg_mul_add(2.0, little_band_14, 8.999999999999998e-5));
-    let little_band_16 = mul_sub(
-        3.825e-5,
+    let little_band_13 = sqrt(8.999999999999998e-5 - little_band_12);
+    let little_band_14 = mul_sub(
+        7.65e-5,
         cos_little_dip,
-        2.5999999999999988e-5 * sin_little_dip,
+        5.1999999999999976e-5 * sin_little_dip,
     );
-    let little_band_17 = sqrt(neg_mul_add(2.0, little_band_16, 9.649999999999999e-5));
-    let little_band_18 = k_intrinsic
-        * (0.06932376200206641 + little_band_9 + little_band_15 + little_band_17
+    let little_band_15 = sqrt(9.649999999999999e-5 - little_band_14);
+    let little_band_16 = k_intrinsic
+        * (0.06932376200206641 + little_band_9 + little_band_13 + little_band_15
             - rest_little_band);
     force[coordinate::LITTLE_AB] = neg_mul_add(
-        little_band_13,
-        little_band_18,
-        little_ab_33,
-    );
-    let little_fdp_18 = little_fdp_7 * little_fdp_9;
-    let little_fdp_19 = mul_add(
-        little_fdp_6,
-        little_fdp_10,
-        little_fdp_2 * little_fdp_18,
-    );
-    let little_mcp_10 = mul_sub(
-        little_fdp_19,
-        little_fdp_17,
-        mul_add(little_ab_7, little_ab_32, little_ab_12 * little_ab_22),
-    );
-    let little_edc_16 = little_edc_7 * little_edc_9;
-    let little_edc_17 = mul_sub(
-        little_edc_6,
-        little_edc_10,
-        little_edc_1 * little_edc_16,
-    );
-    let little_interosseous_17 = little_interosseous_9 * little_interosseous_12;
-    let little_interosseous_18 = mul_add(
-        little_interosseous_8,
-        little_interosseous_13,
-        little_interosseous_2 * little_interosseous_17,
-    );
-    let little_band_19 = little_band_7 * little_band_10;
-    let little_band_20 = mul_add(
-        little_band_6,
         little_band_11,
-        little_band_2 * little_band_19,
+        little_band_16,
+        little_ab_19,
     );
+    let little_mcp_23 = v_little_ab * little_ab_4;
+    let little_mcp_24 = v_little_ab * little_mcp_6;
+    let little_mcp_25 = neg_mul_add(
+        little_mcp_24,
+        little_mcp_23,
+        neg_mul_add(little_mcp_14, little_mcp_3, little_mcp_12 * little_mcp_5),
+    );
+    let little_mcp_26 = v_little_ab * little_mcp_8;
+    let little_mcp_27 = v_little_ab * little_ab_11;
+    let little_mcp_28 = neg_mul_add(
+        little_mcp_27,
+        little_mcp_26,
+        neg_mul_add(little_mcp_7, little_mcp_20, little_mcp_10 * little_mcp_18),
+    );
+    let little_mcp_29 = little_ab_2 * little_ab_7;
+    let little_mcp_30 = v_little_ab * v_little_ab;
+    let little_mcp_31 = v_little_ab * little_mcp_4;
+    let little_mcp_32 = v_little_ab * little_ab_5;
+    let little_mcp_33 = little_mcp_27 + little_mcp_32;
+    let little_mcp_34 = neg_mul_add(
+        little_mcp_33,
+        little_mcp_31,
+        neg_mul_add(little_mcp_13, little_mcp_5, little_mcp_15 * little_mcp_3),
+    );
+    let little_mcp_35 = little_ab_3 * little_ab_16;
+    let little_mcp_36 = neg_mul_add(little_mcp_35, little_mcp_30, little_mcp_34);
+    let little_mcp_37 = little_mcp_36
+        + neg_mul_add(little_mcp_29, little_mcp_30, little_mcp_25 + little_mcp_28);
+    let little_mcp_38 = v_little_ab * little_ab_9;
+    let little_mcp_39 = little_mcp_38 + little_mcp_23;
+    let little_mcp_40 = v_little_ab * little_mcp_9;
+    let little_mcp_41 = neg_mul_add(
+        little_mcp_40,
+        little_mcp_39,
+        neg_mul_add(little_mcp_10, little_mcp_19, little_mcp_7 * little_mcp_21),
+    );
+    let little_mcp_42 = cos_little_mcp * little_ab_12;
+    let little_fdp_16 = little_fdp_9
+        * mul_add(little_fdp_5, little_fdp_3, little_fdp_2 * little_fdp_6);
+    let little_mcp_43 = mul_add(
+        little_fdp_16,
+        little_fdp_15,
+        little_mcp_37 + neg_mul_add(little_mcp_42, little_mcp_30, little_mcp_41),
+    );
+    let little_edc_14 = little_edc_9
+        * mul_sub(little_edc_5, little_edc_3, little_edc_1 * little_edc_6);
+    let little_interosseous_15 = little_interosseous_12
+        * mul_add(
+            little_interosseous_8,
+            little_interosseous_4,
+            little_interosseous_2 * little_interosseous_9,
+        );
+    let little_band_17 = little_band_10
+        * mul_add(little_band_6, little_band_3, little_band_2 * little_band_7);
     force[coordinate::LITTLE_MCP] = mul_add(
-        little_band_20,
-        little_band_18,
+        little_band_17,
+        little_band_16,
         mul_add(
-            little_interosseous_18,
-            little_interosseous_16,
-            neg_mul_add(little_edc_17, little_edc_15, little_mcp_10),
+            little_interosseous_15,
+            little_interosseous_14,
+            neg_mul_add(little_edc_14, little_edc_13, little_mcp_43),
         ),
     );
-    let little_pip_3 = mul_sub(little_ab_12, little_ab_23, little_ab_7 * little_ab_4);
-    let little_pip_4 = mul_sub(little_ab_12, little_ab_28, little_ab_7 * little_ab_16)
-        + little_pip_3;
-    let little_pip_5 = 0.0327 * little_ab_12;
-    let little_pip_6 = neg_mul_add(little_mcp_2, little_ab_28, little_dip_1);
-    let little_pip_7 = 0.0327 * v_little_mcp;
-    let little_pip_8 = mul_sub(little_pip_7, little_pip_6, little_pip_5 * little_pip_4)
-        - mul_add(little_ab_7, little_ab_31, little_ab_12 * little_ab_21);
-    let little_fdp_20 = 1.0 / little_fdp_14;
-    let little_fdp_21 = little_fdp_20
+    let little_fdp_17 = 1.0 / little_fdp_12;
+    let little_fdp_18 = little_fdp_17
         * mul_add(1.1621999999999991e-5, sin_little_pip, 0.000156418 * cos_little_pip);
-    let little_edc_18 = 1.0 / little_edc_14;
-    let little_edc_19 = little_edc_18
+    let little_edc_15 = 1.0 / little_edc_12;
+    let little_edc_16 = little_edc_15
         * mul_add(
             7.699999999999999e-5,
             sin_little_pip,
             3.6000000000000014e-5 * cos_little_pip,
         );
-    let little_band_21 = 1.0 / little_band_15;
-    let little_band_22 = little_band_21
+    let little_band_18 = 1.0 / little_band_13;
+    let little_band_19 = little_band_18
         * mul_add(2.7e-5, sin_little_pip, 3.5999999999999994e-5 * cos_little_pip);
     force[coordinate::LITTLE_PIP] = neg_mul_add(
-        little_band_22,
-        little_band_18,
+        little_band_19,
+        little_band_16,
         neg_mul_add(
-            little_edc_19,
-            little_edc_15,
-            mul_add(little_fdp_21, little_fdp_17, little_pip_8),
+            little_edc_16,
+            little_edc_13,
+            mul_add(little_fdp_18, little_fdp_15, little_mcp_37),
         ),
     );
-    let little_dip_2 = mul_add(little_ab_8, little_ab_7, little_ab_2 * little_ab_12);
-    let little_dip_3 = mul_sub(little_ab_2, little_mcp_2, little_mcp_4);
-    let little_dip_4 = little_ab_8 * little_mcp_2;
-    let little_dip_5 = neg_mul_add(
-        little_dip_4,
-        little_pip_1,
-        mul_sub(little_dip_3, little_dip_1, little_dip_2 * little_pip_3),
-    );
-    let little_fdp_22 = 1.0 / little_fdp_16;
-    let little_fdp_23 = little_fdp_22
+    let little_fdp_19 = 1.0 / little_fdp_14;
+    let little_fdp_20 = little_fdp_19
         * mul_sub(1.3619199999999997e-5, sin_little_dip, 6.9608e-5 * cos_little_dip);
-    let little_dip_6 = neg_mul_add(
-        little_fdp_23,
-        little_fdp_17,
-        little_dip_5 - mul_add(little_ab_7, little_ab_27, little_ab_12 * little_ab_14),
-    );
-    let little_band_23 = 1.0 / little_band_17;
-    let little_band_24 = little_band_23
+    let little_band_20 = 1.0 / little_band_15;
+    let little_band_21 = little_band_20
         * mul_add(3.825e-5, sin_little_dip, 2.5999999999999988e-5 * cos_little_dip);
     force[coordinate::LITTLE_DIP] = neg_mul_add(
-        little_band_24,
-        little_band_18,
-        little_dip_6,
-    );
-    let little_fdp_24 = mul_add(
-        little_fdp_9,
-        neg_mul_add(
-            little_fdp_12,
-            little_fdp_12,
-            mul_add(little_fdp_1, little_fdp_1, little_fdp_5),
-        ),
-        mul_sub(little_fdp_1, little_fdp_10, little_fdp_4 * little_fdp_11),
+        little_band_21,
+        little_band_16,
+        neg_mul_add(little_fdp_20, little_fdp_15, little_mcp_36),
     );
     let index_fdp_1 = 0.25 * h;
-    let little_fdp_25 = index_fdp_1 * little_fdp_17;
+    let little_fdp_21 = index_fdp_1 * little_fdp_15;
+    let little_fdp_22 = little_fdp_9 * little_fdp_21;
     let index_fdp_2 = k_flexor * index_fdp_1;
-    let little_ab_34 = little_ab_17 + little_ab_6;
-    let little_ab_35 = 3.4478462505758233e-6 + little_ab_34;
-    let little_ab_36 = little_ab_20 + little_ab_11;
-    let little_ab_37 = 1.0 / h;
-    let little_ab_38 = cos_little_mcp
-        * (little_ab_37
-            * neg_mul_add(sin_little_mcp, little_ab_36, cos_little_mcp * little_ab_35));
-    let little_ab_39 = little_ab_30 + little_ab_25;
-    let little_ab_40 = 3.7070662936264426e-7 + little_ab_39;
-    let little_ab_41 = mul_sub(
-        sin_little_mcp,
-        little_ab_37
-            * neg_mul_add(sin_little_mcp, little_ab_40, cos_little_mcp * little_ab_36),
-        little_ab_38,
-    );
-    let little_ab_42 = little_ab_41
-        - mul_add(
-            little_fdp_12,
-            index_fdp_2 * little_fdp_12,
-            little_fdp_24 * little_fdp_25,
-        );
-    let little_edc_20 = mul_sub(
-        little_edc_9,
-        neg_mul_add(
-            little_edc_12,
-            little_edc_12,
-            mul_add(little_edc_2, little_edc_2, little_edc_5),
+    let little_fdp_23 = index_fdp_2 - little_fdp_22;
+    let little_fdp_24 = little_fdp_1 * little_fdp_2;
+    let little_ab_20 = 1.0 / h;
+    let little_ab_21 = mul_add(
+        little_ab_20,
+        little_ab_18,
+        mul_add(
+            little_fdp_10,
+            little_fdp_10 * little_fdp_23,
+            little_fdp_24 * little_fdp_22,
         ),
-        mul_add(little_edc_2, little_edc_10, little_edc_4 * little_edc_11),
     );
-    let little_edc_21 = index_fdp_1 * little_edc_15;
+    let little_edc_17 = index_fdp_1 * little_edc_13;
+    let little_edc_18 = little_edc_9 * little_edc_17;
     let index_edc_1 = k_extensor * index_fdp_1;
-    let little_ab_43 = little_ab_42
-        - mul_add(
-            little_edc_12,
-            index_edc_1 * little_edc_12,
-            little_edc_20 * little_edc_21,
-        );
-    let little_interosseous_19 = neg_mul_add(
-        little_interosseous_15,
-        little_interosseous_15,
-        mul_add(
-            little_interosseous_5,
-            little_interosseous_5,
-            little_interosseous_3 * little_interosseous_3,
-        ),
-    );
-    let little_interosseous_20 = mul_add(
-        little_interosseous_12,
-        little_interosseous_19,
-        neg_mul_add(
-            little_interosseous_3,
-            little_interosseous_13,
-            little_interosseous_5 * little_interosseous_14,
-        ),
-    );
-    let little_interosseous_21 = index_fdp_1 * little_interosseous_16;
+    let little_edc_19 = index_edc_1 - little_edc_18;
+    let little_edc_20 = little_edc_2 * little_edc_1;
+    let little_ab_22 = mul_sub(
+        little_edc_10,
+        little_edc_10 * little_edc_19,
+        little_edc_20 * little_edc_18,
+    ) + little_ab_21;
+    let little_interosseous_16 = little_interosseous_12
+        * (index_fdp_1 * little_interosseous_14);
     let index_interosseous_1 = k_intrinsic * index_fdp_1;
-    let little_ab_44 = little_ab_43
-        - mul_add(
-            little_interosseous_15,
-            index_interosseous_1 * little_interosseous_15,
-            little_interosseous_20 * little_interosseous_21,
-        );
-    let little_band_25 = neg_mul_add(
-        little_band_13,
-        little_band_13,
-        mul_add(little_band_4, little_band_4, little_band_1 * little_band_1),
+    let little_interosseous_17 = index_interosseous_1 - little_interosseous_16;
+    let little_interosseous_18 = little_interosseous_3 * little_interosseous_2;
+    let little_interosseous_19 = mul_sub(
+        little_interosseous_13,
+        little_interosseous_13 * little_interosseous_17,
+        mul_add(0.01, little_interosseous_5, little_interosseous_18)
+            * little_interosseous_16,
     );
+    let little_band_22 = index_fdp_1 * little_band_16;
+    let little_band_23 = little_band_10 * little_band_22;
+    let little_band_24 = index_interosseous_1 - little_band_23;
+    let little_band_25 = little_band_1 * little_band_2;
     let little_band_26 = mul_add(
-        little_band_10,
-        little_band_25,
-        mul_add(little_band_1, little_band_11, little_band_4 * little_band_12),
+        little_band_11,
+        little_band_11 * little_band_24,
+        mul_add(0.009, little_band_4, little_band_25) * little_band_23,
     );
-    let little_band_27 = index_fdp_1 * little_band_18;
-    matrix[48] = little_ab_44
-        - mul_add(
-            little_band_13,
-            index_interosseous_1 * little_band_13,
-            little_band_26 * little_band_27,
+    matrix[48] = -(little_band_26 + (little_interosseous_19 + little_ab_22));
+    let little_fdp_25 = little_fdp_16 * little_fdp_23;
+    let little_edc_21 = little_edc_14 * little_edc_19;
+    let little_ab_23 = mul_add(
+        little_fdp_10,
+        little_fdp_25,
+        little_fdp_4 * little_fdp_5 * little_fdp_22,
+    )
+        + mul_sub(
+            little_edc_10,
+            little_edc_21,
+            little_edc_4 * little_edc_5 * little_edc_18,
         );
-    let little_fdp_26 = little_fdp_9
-        * mul_sub(little_fdp_4, little_fdp_6, little_fdp_12 * little_fdp_19)
-        * little_fdp_25;
-    let little_fdp_27 = index_fdp_2 * little_fdp_19;
-    let little_fdp_28 = mul_add(little_fdp_12, little_fdp_27, little_fdp_26);
-    let little_ab_45 = little_ab_7 * little_ab_36;
-    let little_ab_46 = little_ab_32 + mul_add(little_ab_12, little_ab_35, little_ab_45);
-    let little_ab_47 = little_ab_12 * little_ab_36;
-    let little_ab_48 = little_ab_22 - mul_add(little_ab_7, little_ab_40, little_ab_47);
-    let little_ab_49 = mul_add(
-        sin_little_mcp,
-        little_ab_48,
-        cos_little_mcp * little_ab_46,
+    let little_interosseous_20 = little_interosseous_15 * little_interosseous_17;
+    let little_ab_24 = mul_add(
+        little_interosseous_13,
+        little_interosseous_20,
+        little_interosseous_5 * little_interosseous_8 * little_interosseous_16,
+    ) + little_ab_23;
+    let little_band_27 = little_band_17 * little_band_24;
+    let little_ab_25 = neg_mul_add(
+        little_band_11,
+        little_band_27,
+        little_band_4 * little_band_6 * little_band_23,
+    ) + little_ab_24;
+    let little_ab_26 = 2.0 * v_little_ab;
+    let little_ab_27 = mul_add(
+        little_mcp_35,
+        little_ab_26,
+        mul_add(little_ab_11 + little_ab_5, little_mcp_31, little_mcp_33 * little_mcp_4),
     );
-    let little_edc_22 = little_edc_9
-        * mul_add(little_edc_4, little_edc_6, little_edc_12 * little_edc_17)
-        * little_edc_21;
-    let little_edc_23 = index_edc_1 * little_edc_17;
-    let little_edc_24 = mul_sub(little_edc_12, little_edc_23, little_edc_22);
-    let little_interosseous_22 = little_interosseous_12
-        * mul_sub(
-            little_interosseous_5,
-            little_interosseous_8,
-            little_interosseous_15 * little_interosseous_18,
-        ) * little_interosseous_21;
-    let little_interosseous_23 = index_interosseous_1 * little_interosseous_18;
-    let little_interosseous_24 = mul_add(
-        little_interosseous_15,
-        little_interosseous_23,
-        little_interosseous_22,
+    let little_ab_28 = 0.5 * little_ab_27;
+    let little_ab_29 = mul_add(
+        little_mcp_6,
+        little_mcp_23,
+        mul_add(little_mcp_24, little_ab_4, little_ab_11 * little_mcp_26),
     );
-    let little_band_28 = little_band_10
-        * mul_add(little_band_4, little_band_6, little_band_13 * little_band_20)
-        * little_band_27;
-    let little_band_29 = index_interosseous_1 * little_band_20;
-    let little_band_30 = neg_mul_add(little_band_13, little_band_29, little_band_28);
-    matrix[49] = mul_sub(0.5, little_ab_49, little_fdp_28) - little_edc_24
-        - little_interosseous_24 - little_band_30;
-    let little_ab_50 = little_ab_28 + little_ab_23;
-    let little_ab_51 = mul_sub(
-        little_pip_5,
-        little_ab_50,
-        mul_add(little_ab_7, little_ab_39, little_ab_47),
-    ) + mul_add(0.0327, little_pip_4, little_ab_21);
-    let little_ab_52 = little_ab_16 + little_ab_4;
-    let little_ab_53 = mul_sub(
-        little_pip_5,
-        little_ab_52,
-        mul_add(little_ab_12, little_ab_34, little_ab_45),
-    ) - little_ab_31;
-    let little_ab_54 = 0.5
-        * neg_mul_add(sin_little_mcp, little_ab_51, cos_little_mcp * little_ab_53);
-    let little_fdp_29 = index_fdp_2 * little_fdp_21;
-    let little_edc_25 = index_edc_1 * little_edc_19;
-    let little_band_31 = index_interosseous_1 * little_band_22;
-    let little_ab_55 = mul_add(
-        little_band_13,
-        little_band_31,
+    let little_ab_30 = mul_add(
+        0.5,
         mul_add(
-            little_edc_12,
-            little_edc_25,
-            mul_add(little_fdp_12, little_fdp_29, little_ab_54),
+            little_mcp_29,
+            little_ab_26,
+            mul_add(little_mcp_27, little_mcp_8, little_ab_29),
         ),
+        little_ab_28,
     );
-    matrix[50] = -little_ab_55;
-    let little_ab_56 = mul_sub(
-        little_dip_2,
-        little_ab_23,
-        mul_add(little_ab_7, little_ab_25, little_ab_13),
-    ) + mul_add(little_ab_2, little_pip_3, little_ab_14);
-    let little_ab_57 = mul_sub(
-        little_dip_2,
-        little_ab_4,
-        mul_add(little_ab_12, little_ab_6, little_ab_26),
-    ) - mul_add(little_ab_8, little_pip_3, little_ab_27);
-    let little_ab_58 = 0.5
-        * neg_mul_add(sin_little_mcp, little_ab_56, cos_little_mcp * little_ab_57);
-    let little_fdp_30 = index_fdp_2 * little_fdp_23;
-    let little_band_32 = index_interosseous_1 * little_band_24;
-    matrix[51] = neg_mul_add(
-        little_band_13,
-        little_band_32,
-        mul_sub(little_fdp_12, little_fdp_30, little_ab_58),
+    let little_ab_31 = mul_add(
+        little_mcp_42,
+        little_ab_26,
+        mul_add(little_mcp_40, little_ab_10, little_mcp_9 * little_mcp_39),
     );
-    let little_mcp_11 = little_band_30
-        + (little_interosseous_24
-            + (little_edc_24 + mul_add(0.5, little_ab_49, little_fdp_28)));
-    matrix[52] = -little_mcp_11;
-    let little_fdp_31 = neg_mul_add(
-        little_fdp_19,
-        little_fdp_19,
-        mul_add(little_fdp_6, little_fdp_6, little_fdp_2 * little_fdp_2),
+    let little_ab_32 = mul_add(0.5, little_ab_31, little_ab_30);
+    matrix[49] = little_ab_32 - little_ab_25;
+    let little_edc_22 = index_edc_1 * little_edc_16;
+    let little_fdp_26 = index_fdp_2 * little_fdp_18;
+    let little_band_28 = index_interosseous_1 * little_band_19;
+    let little_ab_33 = mul_add(
+        little_band_11,
+        little_band_28,
+        mul_add(little_fdp_10, little_fdp_26, little_edc_10 * little_edc_22),
     );
-    let little_fdp_32 = mul_add(
-        little_fdp_9,
-        little_fdp_31,
-        neg_mul_add(little_fdp_2, little_fdp_10, little_fdp_6 * little_fdp_18),
+    matrix[50] = little_ab_30 - little_ab_33;
+    let little_band_29 = index_interosseous_1 * little_band_21;
+    let little_fdp_27 = index_fdp_2 * little_fdp_20;
+    let little_ab_34 = mul_sub(
+        little_fdp_10,
+        little_fdp_27,
+        little_band_11 * little_band_29,
     );
-    let little_mcp_12 = neg_mul_add(
-        little_ab_7,
-        index_fdp_1 * little_ab_48,
-        little_ab_12 * (index_fdp_1 * little_ab_46),
-    );
-    let little_mcp_13 = little_mcp_8 + little_mcp_1;
-    let little_mcp_14 = neg_mul_add(
-        little_ab_37,
-        3.4478462505758233e-6 + little_mcp_13,
+    matrix[51] = little_ab_28 + little_ab_34;
+    matrix[52] = -(little_ab_32 + little_ab_25);
+    let little_mcp_44 = mul_add(
         little_mcp_12,
-    ) - mul_add(little_fdp_19, little_fdp_27, little_fdp_32 * little_fdp_25);
-    let little_edc_26 = neg_mul_add(
-        little_edc_17,
-        little_edc_17,
-        mul_add(little_edc_6, little_edc_6, little_edc_1 * little_edc_1),
+        little_mcp_3,
+        little_mcp_14 * little_mcp_5,
     );
-    let little_edc_27 = mul_sub(
-        little_edc_9,
-        little_edc_26,
-        mul_add(little_edc_1, little_edc_10, little_edc_6 * little_edc_16),
+    let little_mcp_45 = 2.0 * little_mcp_30;
+    let little_mcp_46 = mul_add(
+        little_mcp_10,
+        little_mcp_20,
+        little_mcp_7 * little_mcp_18,
     );
-    let little_interosseous_25 = neg_mul_add(
-        little_interosseous_18,
-        little_interosseous_18,
-        mul_add(
-            little_interosseous_8,
-            little_interosseous_8,
-            little_interosseous_2 * little_interosseous_2,
-        ),
+    let little_mcp_47 = mul_add(
+        little_ab_8,
+        little_mcp_45,
+        mul_add(little_mcp_32, little_mcp_23, little_mcp_44),
+    ) + mul_add(little_mcp_27, little_mcp_38, little_mcp_46);
+    let little_mcp_48 = mul_sub(
+        index_fdp_1,
+        mul_add(little_mcp_24, little_mcp_31, little_mcp_44),
+        little_ab_20 * mul_add(little_mcp_6, little_mcp_4, little_ab_6),
     );
-    let little_interosseous_26 = mul_add(
-        little_interosseous_12,
-        little_interosseous_25,
+    let little_mcp_49 = mul_add(
+        little_mcp_33,
+        little_mcp_23,
+        mul_add(little_mcp_13, little_mcp_3, little_mcp_15 * little_mcp_5),
+    );
+    let little_mcp_50 = mul_add(
+        index_fdp_1,
+        mul_add(little_ab_17, little_mcp_45, little_mcp_49),
+        2.6438345247648215e-7 * little_ab_20,
+    );
+    let little_mcp_51 = little_mcp_48 - little_mcp_50;
+    let little_mcp_52 = little_mcp_48
+        - mul_add(index_fdp_1, little_mcp_47, 1.388803737033218e-6 * little_ab_20)
+        + little_mcp_51;
+    let little_mcp_53 = mul_add(
+        little_mcp_40,
+        little_mcp_31,
+        mul_add(little_mcp_10, little_mcp_5, little_mcp_7 * little_mcp_3),
+    );
+    let little_mcp_54 = mul_sub(
+        index_fdp_1,
+        little_mcp_53,
+        little_ab_20 * mul_add(little_mcp_9, little_mcp_4, little_ab_11 * little_ab_4),
+    );
+    let little_mcp_55 = mul_sub(
+        index_fdp_1,
+        mul_add(little_mcp_40, little_mcp_26, little_mcp_46),
+        little_ab_20 * mul_add(little_mcp_9, little_mcp_8, little_ab_11 * little_ab_9),
+    );
+    let little_mcp_56 = little_mcp_55 + little_mcp_54;
+    let little_mcp_57 = little_mcp_56 + little_mcp_52;
+    let little_mcp_58 = mul_add(
+        little_mcp_27,
+        little_mcp_39,
+        mul_add(little_mcp_7, little_mcp_19, little_mcp_10 * little_mcp_21),
+    );
+    let little_mcp_59 = mul_add(
+        index_fdp_1,
+        mul_add(little_ab_13, little_mcp_45, little_mcp_58),
+        1.0625404613563116e-5 * little_ab_20,
+    );
+    let little_fdp_28 = mul_add(
+        little_fdp_16,
+        little_fdp_25,
+        mul_add(0.011, little_fdp_5, little_fdp_24) * little_fdp_22,
+    );
+    let little_edc_23 = mul_add(
+        little_edc_14,
+        little_edc_21,
+        mul_sub(0.011, little_edc_5, little_edc_20) * little_edc_18,
+    );
+    let little_interosseous_21 = mul_add(
+        little_interosseous_15,
+        little_interosseous_20,
+        mul_sub(0.001, little_interosseous_8, little_interosseous_18)
+            * little_interosseous_16,
+    );
+    let little_mcp_60 = little_mcp_56 - little_mcp_59 + little_mcp_57 - little_fdp_28
+        - little_edc_23 - little_interosseous_21;
+    let little_band_30 = mul_add(
+        little_band_17,
+        little_band_27,
+        mul_add(0.005, little_band_6, little_band_25) * little_band_23,
+    );
+    matrix[53] = little_mcp_60 - little_band_30;
+    let little_mcp_61 = mul_add(
+        little_band_17,
+        little_band_28,
         neg_mul_add(
-            little_interosseous_2,
-            little_interosseous_13,
-            little_interosseous_8 * little_interosseous_17,
+            little_edc_14,
+            little_edc_22,
+            neg_mul_add(little_fdp_16, little_fdp_26, little_mcp_57),
         ),
     );
-    let little_mcp_15 = little_mcp_14
-        - mul_add(little_edc_17, little_edc_23, little_edc_27 * little_edc_21)
-        - mul_add(
-            little_interosseous_18,
-            little_interosseous_23,
-            little_interosseous_26 * little_interosseous_21,
-        );
-    let little_band_33 = neg_mul_add(
-        little_band_20,
-        little_band_20,
-        mul_add(little_band_6, little_band_6, little_band_2 * little_band_2),
+    let little_mcp_62 = neg_mul_add(
+        little_mcp_9,
+        little_ab_4,
+        little_ab_11 * little_mcp_4,
+    ) * (0.5 * (v_little_mcp + little_mcp_2));
+    let little_mcp_63 = mul_add(
+        neg_mul_add(little_mcp_9, little_ab_9, little_ab_11 * little_mcp_8),
+        0.5 * (v_little_mcp + little_mcp_1),
+        little_mcp_62,
     );
+    matrix[54] = little_mcp_63 + little_mcp_61;
+    let little_mcp_64 = mul_add(
+        little_band_17,
+        little_band_29,
+        mul_add(little_fdp_16, little_fdp_27, little_mcp_54 + little_mcp_51),
+    );
+    let little_mcp_65 = neg_mul_add(
+        little_mcp_6,
+        little_ab_4,
+        little_ab_5 * little_mcp_4,
+    ) * (0.5 * (little_mcp_1 + little_mcp_2));
+    let little_mcp_66 = little_mcp_62 + little_mcp_65;
+    matrix[55] = little_mcp_66 + little_mcp_64;
+    matrix[56] = -(little_ab_30 + little_ab_33);
+    matrix[57] = little_mcp_61 - little_mcp_63;
+    let little_fdp_29 = little_fdp_17 * little_fdp_21;
+    let little_fdp_30 = mul_add(
+        little_fdp_18,
+        little_fdp_18 * (index_fdp_2 - little_fdp_29),
+        0.5 * little_fdp_11 * little_fdp_29,
+    );
+    let little_edc_24 = little_edc_15 * little_edc_17;
+    let little_edc_25 = mul_add(
+        little_edc_16,
+        little_edc_16 * (index_edc_1 - little_edc_24),
+        0.5 * little_edc_11 * little_edc_24,
+    );
+    let little_band_31 = little_band_18 * little_band_22;
+    let little_band_32 = mul_add(
+        little_band_19,
+        little_band_19 * (index_interosseous_1 - little_band_31),
+        0.5 * little_band_12 * little_band_31,
+    );
+    matrix[58] = little_mcp_52 - little_fdp_30 - little_edc_25 - little_band_32;
+    let little_pip_1 = neg_mul_add(
+        little_band_19,
+        little_band_29,
+        mul_add(little_fdp_18, little_fdp_27, little_mcp_51),
+    );
+    matrix[59] = little_mcp_65 + little_pip_1;
+    matrix[60] = little_ab_34 - little_ab_28;
+    matrix[61] = little_mcp_64 - little_mcp_66;
+    matrix[62] = little_pip_1 - little_mcp_65;
+    let little_fdp_31 = little_fdp_19 * little_fdp_21;
+    let little_fdp_32 = mul_add(
+        little_fdp_20,
+        little_fdp_20 * (index_fdp_2 - little_fdp_31),
+        0.5 * little_fdp_13 * little_fdp_31,
+    );
+    let little_band_33 = little_band_20 * little_band_22;
     let little_band_34 = mul_add(
-        little_band_10,
-        little_band_33,
-        neg_mul_add(little_band_2, little_band_11, little_band_6 * little_band_19),
+        little_band_21,
+        little_band_21 * (index_interosseous_1 - little_band_33),
+        0.5 * little_band_14 * little_band_33,
     );
-    matrix[53] = little_mcp_15
-        - mul_add(little_band_20, little_band_29, little_band_34 * little_band_27);
-    let little_mcp_16 = mul_add(
-        little_ab_7,
-        index_fdp_1 * little_ab_51,
-        little_ab_12 * (index_fdp_1 * little_ab_53),
-    );
-    let little_mcp_17 = little_ab_37 * neg_mul_add(0.0327, little_ab_52, little_mcp_13);
-    let little_mcp_18 = little_mcp_17 + little_mcp_16;
-    let little_mcp_19 = neg_mul_add(little_pip_7, little_ab_50, 0.0327 * little_pip_6);
-    let little_mcp_20 = mul_add(
-        little_edc_17,
-        little_edc_25,
-        mul_add(little_fdp_19, little_fdp_29, mul_add(0.5, little_mcp_19, little_mcp_18)),
-    );
-    matrix[54] = mul_sub(little_band_20, little_band_31, little_mcp_20);
-    let little_mcp_21 = mul_add(
-        little_ab_7,
-        index_fdp_1 * little_ab_56,
-        little_ab_12 * (index_fdp_1 * little_ab_57),
-    );
-    let little_mcp_22 = little_ab_37
-        * (little_mcp_1 - mul_add(little_ab_8, little_ab_23, little_ab_2 * little_ab_4));
-    let little_mcp_23 = little_mcp_22 + little_mcp_21;
-    let little_mcp_24 = neg_mul_add(
-        little_dip_3,
-        little_ab_23,
-        little_dip_4 * little_ab_4,
-    ) + mul_sub(little_ab_2, little_dip_1, little_ab_8 * little_pip_1);
-    matrix[55] = mul_add(
-        little_band_20,
-        little_band_32,
-        mul_sub(little_fdp_19, little_fdp_30, mul_add(0.5, little_mcp_24, little_mcp_23)),
-    );
-    matrix[56] = neg_mul_add(
-        little_band_13,
-        little_band_31,
-        neg_mul_add(
-            little_edc_12,
-            little_edc_25,
-            neg_mul_add(little_fdp_12, little_fdp_29, little_ab_54),
-        ),
-    );
-    let little_pip_9 = neg_mul_add(
-        little_edc_17,
-        little_edc_25,
-        neg_mul_add(
-            little_fdp_19,
-            little_fdp_29,
-            mul_sub(0.5, little_mcp_19, little_mcp_18),
-        ),
-    );
-    matrix[57] = mul_add(little_band_20, little_band_31, little_pip_9);
-    let little_pip_10 = mul_sub(
-        0.00021949719764487134,
-        little_ab_12,
-        mul_add(little_ab_7, little_ab_50, little_ab_12 * little_ab_52),
-    );
-    let little_pip_11 = mul_add(
-        little_pip_7,
-        index_fdp_1 * mul_add(0.00021949719764487134, v_little_mcp, little_pip_2),
-        little_pip_5 * (index_fdp_1 * little_pip_10),
-    );
-    let little_pip_12 = little_pip_11 - little_mcp_16
-        - mul_add(
-            0.0327,
-            little_ab_37 * (0.00021949719764487134 - little_ab_52),
-            little_mcp_17,
-        );
-    let little_fdp_33 = mul_add(
-        little_fdp_21,
-        little_fdp_29,
-        little_fdp_20 * neg_mul_add(little_fdp_21, little_fdp_21, little_fdp_13)
-            * little_fdp_25,
-    );
-    let little_edc_28 = mul_add(
-        little_edc_19,
-        little_edc_25,
-        little_edc_18 * neg_mul_add(little_edc_19, little_edc_19, little_edc_13)
-            * little_edc_21,
-    );
-    let little_band_35 = mul_add(
-        little_band_22,
-        little_band_31,
-        little_band_21 * neg_mul_add(little_band_22, little_band_22, little_band_14)
-            * little_band_27,
-    );
-    matrix[58] = little_pip_12 - little_fdp_33 - little_edc_28 - little_band_35;
-    let little_pip_13 = mul_sub(
-        0.002709309504455838,
-        little_dip_2,
-        mul_add(little_ab_7, little_ab_23, little_ab_12 * little_ab_4),
-    );
-    let little_pip_14 = index_fdp_1 * little_pip_13;
-    let little_pip_15 = index_fdp_1
-        * mul_add(0.002709309504455838, little_dip_3, little_pip_1);
-    let little_pip_16 = little_ab_37
-        * mul_sub(0.002709309504455838, little_ab_2, little_ab_4);
-    let little_pip_17 = mul_add(
-        little_pip_7,
-        little_pip_15,
-        little_pip_5 * little_pip_14,
-    ) - little_mcp_21 - mul_add(0.0327, little_pip_16, little_mcp_22);
-    let little_pip_18 = mul_add(0.002709309504455838, little_dip_4, little_dip_1);
-    let little_pip_19 = mul_sub(4.903850203065067e-5, sin_little_pip, little_ab_23);
-    let little_pip_20 = neg_mul_add(
-        little_pip_7,
-        little_pip_19,
-        neg_mul_add(0.0327, little_pip_18, little_mcp_24),
-    );
-    matrix[59] = neg_mul_add(
-        little_band_22,
-        little_band_32,
-        mul_add(
-            little_fdp_21,
-            little_fdp_30,
-            neg_mul_add(0.5, little_pip_20, little_pip_17),
-        ),
-    );
-    matrix[60] = neg_mul_add(
-        little_band_13,
-        little_band_32,
-        mul_add(little_fdp_12, little_fdp_30, little_ab_58),
-    );
-    matrix[61] = mul_add(
-        little_band_20,
-        little_band_32,
-        mul_add(little_fdp_19, little_fdp_30, mul_sub(0.5, little_mcp_24, little_mcp_23)),
-    );
-    matrix[62] = neg_mul_add(
-        little_band_22,
-        little_band_32,
-        mul_add(little_fdp_21, little_fdp_30, mul_add(0.5, little_pip_20, little_pip_17)),
-    );
-    let little_dip_7 = mul_add(
-        little_dip_4,
-        index_fdp_1 * little_pip_18,
-        mul_add(little_dip_3, little_pip_15, little_dip_2 * little_pip_14),
-    );
-    let little_dip_8 = little_mcp_22
-        + mul_add(
-            little_ab_8,
-            little_ab_37 * little_pip_19,
-            little_ab_2 * little_pip_16,
-        );
-    let little_fdp_34 = mul_add(
-        little_fdp_23,
-        little_fdp_30,
-        little_fdp_22 * neg_mul_add(little_fdp_23, little_fdp_23, little_fdp_15)
-            * little_fdp_25,
-    );
-    let little_band_36 = mul_add(
-        little_band_24,
-        little_band_32,
-        little_band_23 * neg_mul_add(little_band_24, little_band_24, little_band_16)
-            * little_band_27,
-    );
-    matrix[63] = little_dip_7 - little_mcp_21 - little_dip_8 - little_fdp_34
-        - little_band_36;
+    matrix[63] = -(little_band_34 + (little_fdp_32 + little_mcp_50));
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -1261,90 +1026,73 @@ pub fn evaluate_with_matrix(
 ///
 /// Strands: `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79).
 ///
-/// 91 operations: 15 sums, 21 products, 26 products with sum, 3 sines and cosines.
+/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
 pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     let q_little_mcp = q[coordinate::LITTLE_MCP];
     let q_little_pip = q[coordinate::LITTLE_PIP];
     let q_little_dip = q[coordinate::LITTLE_DIP];
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_ab_1 = mul_sub(
-        cos_little_pip,
-        cos_little_dip,
-        sin_little_pip * sin_little_dip,
-    );
-    let little_ab_2 = mul_add(0.0181, cos_little_pip, 0.0327);
-    let little_ab_3 = mul_add(0.008, little_ab_1, little_ab_2);
-    let little_ab_4 = 0.002709309504455838 * little_ab_3;
-    let little_ab_5 = mul_add(
-        sin_little_pip,
-        cos_little_dip,
-        cos_little_pip * sin_little_dip,
-    );
-    let little_ab_6 = neg_mul_add(
-        little_ab_5,
-        2.4609561332140534e-8 * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, 9.098764419130856e-8),
-    );
-    let little_ab_7 = mul_add(0.00905, cos_little_pip, 0.0327);
-    let little_ab_8 = 0.004003143022910258 * little_ab_7;
-    let little_ab_9 = neg_mul_add(
-        sin_little_pip,
-        4.523885211140502e-8 * sin_little_pip,
-        mul_add(little_ab_7, little_ab_8, 1.7333942884453325e-7),
-    );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_ab_10 = 0.0181 * sin_little_pip;
-    let little_ab_11 = mul_add(0.008, little_ab_5, little_ab_10);
-    let little_ab_12 = 2.4609561332140534e-8 * little_ab_1;
-    let little_ab_13 = 0.00905 * sin_little_pip;
-    let little_ab_14 = 4.523885211140502e-8 * cos_little_pip;
-    let little_ab_15 = mul_add(little_ab_13, little_ab_8, sin_little_pip * little_ab_14)
-        + mul_add(little_ab_11, little_ab_4, little_ab_5 * little_ab_12);
-    let little_ab_16 = neg_mul_add(
+    let little_ab_1 = mul_add(
         sin_little_mcp,
-        little_ab_15,
-        cos_little_mcp * (3.4478462505758233e-6 + (little_ab_9 + little_ab_6)),
-    );
-    let little_ab_17 = 0.002709309504455838 * little_ab_11;
-    let little_ab_18 = little_ab_11 * little_ab_17;
-    let little_ab_19 = little_ab_13 * (3.622844435733784e-5 * sin_little_pip);
-    let little_ab_20 = neg_mul_add(
         cos_little_pip,
-        little_ab_14,
-        1.7333942884453325e-7 + little_ab_19,
-    ) + neg_mul_add(little_ab_1, little_ab_12, 9.098764419130856e-8 + little_ab_18);
-    matrix[48] = neg_mul_add(
-        sin_little_mcp,
+        cos_little_mcp * sin_little_pip,
+    );
+    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
+    let little_ab_2 = mul_sub(
+        cos_little_mcp,
+        cos_little_pip,
+        sin_little_mcp * sin_little_pip,
+    );
+    let little_ab_3 = 2.1674476035646702e-5
+        * mul_sub(cos_little_dip, little_ab_2, sin_little_dip * little_ab_1);
+    let little_ab_4 = 0.0181 * little_ab_2 * little_ab_3;
+    let little_ab_5 = mul_add(
+        2.0,
+        little_ab_4,
+        neg_mul_add(
+            little_ab_1,
+            1.2607031603000897e-6 * little_ab_1,
+            6.303515801500448e-7,
+        ),
+    );
+    let little_ab_6 = 8.52669463879885e-5 * little_ab_2;
+    let little_ab_7 = 0.0327 * cos_little_mcp;
+    let little_ab_8 = mul_add(
+        2.0,
+        little_ab_7 * (little_ab_6 + little_ab_3),
         neg_mul_add(
             sin_little_mcp,
-            3.7070662936264426e-7 + little_ab_20,
-            cos_little_mcp * little_ab_15,
+            1.0254697984200472e-5 * sin_little_mcp,
+            5.127348992100236e-6,
         ),
-        cos_little_mcp * little_ab_16,
     );
-    let little_mcp_1 = 9.098764419130856e-8
-        + mul_add(little_ab_3, little_ab_4, little_ab_18);
-    let little_mcp_2 = 1.7333942884453325e-7
-        + mul_add(little_ab_7, little_ab_8, little_ab_19) + little_mcp_1;
-    matrix[53] = 3.4478462505758233e-6 + little_mcp_2;
-    let little_mcp_3 = little_ab_8 + little_ab_4;
-    let little_mcp_4 = neg_mul_add(0.0327, little_mcp_3, little_mcp_2);
-    matrix[54] = little_mcp_4;
-    let little_mcp_5 = little_mcp_1
-        - mul_add(little_ab_10, little_ab_17, little_ab_2 * little_ab_4);
-    matrix[55] = little_mcp_5;
-    matrix[57] = little_mcp_4;
-    matrix[58] = mul_add(0.0327, 0.00021949719764487134 - little_mcp_3, little_mcp_4);
-    let little_pip_1 = mul_sub(0.002709309504455838, little_ab_2, little_ab_4);
-    let little_pip_2 = mul_add(0.0327, little_pip_1, little_mcp_5);
-    matrix[59] = little_pip_2;
-    matrix[61] = little_mcp_5;
-    matrix[62] = little_pip_2;
-    let little_dip_1 = mul_add(
-        little_ab_10,
-        mul_sub(4.903850203065067e-5, sin_little_pip, little_ab_17),
-        little_ab_2 * little_pip_1,
-    );
-    matrix[63] = little_mcp_5 + little_dip_1;
+    let little_ab_9 = mul_add(cos_little_dip, little_ab_1, sin_little_dip * little_ab_2);
+    matrix[48] = neg_mul_add(
+        little_ab_9,
+        1.980053696173141e-7 * little_ab_9,
+        9.900268480865706e-8,
+    ) + (6.421888546013878e-6 + little_ab_8 + little_ab_5);
+    let little_mcp_1 = 2.1674476035646702e-5 * little_ab_9;
+    let little_mcp_2 = mul_add(0.0181 * little_ab_1, little_mcp_1, little_ab_4);
+    let little_mcp_3 = 2.6438345247648215e-7 + little_mcp_2;
+    let little_mcp_4 = 1.388803737033218e-6 + little_mcp_2 + little_mcp_3;
+    let little_mcp_5 = 0.0327 * sin_little_mcp;
+    let little_mcp_6 = mul_add(little_mcp_5, little_mcp_1, little_ab_7 * little_ab_3);
+    let little_mcp_7 = mul_add(
+        little_mcp_5,
+        8.52669463879885e-5 * little_ab_1,
+        little_ab_7 * little_ab_6,
+    ) + little_mcp_6;
+    let little_mcp_8 = little_mcp_7 + little_mcp_4;
+    matrix[53] = 1.0625404613563116e-5 + little_mcp_7 + little_mcp_8;
+    matrix[54] = little_mcp_8;
+    let little_mcp_9 = little_mcp_6 + little_mcp_3;
+    matrix[55] = little_mcp_9;
+    matrix[57] = little_mcp_8;
+    matrix[58] = little_mcp_4;
+    matrix[59] = little_mcp_3;
+    matrix[61] = little_mcp_9;
+    matrix[62] = little_mcp_3;
+    matrix[63] = 2.6438345247648215e-7;
 }

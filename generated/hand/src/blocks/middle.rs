@@ -15,7 +15,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 ///
 /// Strands: `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79).
 ///
-/// 350 operations: 37 sums, 93 products, 99 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
+/// 315 operations: 44 sums, 91 products, 79 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -39,118 +39,80 @@ pub fn evaluate(
     let rest_middle_edc = rest[strand::MIDDLE_EDC];
     let rest_middle_interosseous = rest[strand::MIDDLE_INTEROSSEOUS];
     let rest_middle_band = rest[strand::MIDDLE_BAND];
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_ab_1 = mul_sub(
-        cos_middle_pip,
-        cos_middle_dip,
-        sin_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_2 = mul_add(0.0263, cos_middle_pip, 0.0446);
-    let middle_ab_3 = mul_add(0.0087, middle_ab_1, middle_ab_2);
-    let middle_ab_4 = 0.0029463740860957233 * middle_ab_3;
-    let middle_ab_5 = mul_add(
-        sin_middle_pip,
-        cos_middle_dip,
-        cos_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_6 = neg_mul_add(
-        middle_ab_5,
-        3.8243935637522495e-8 * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, 1.1043010074686771e-7),
-    );
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_ab_7 = v_middle_ab * cos_middle_mcp;
-    let middle_ab_8 = 0.0263 * sin_middle_pip;
-    let middle_ab_9 = mul_add(0.0087, middle_ab_5, middle_ab_8);
-    let middle_ab_10 = 3.8243935637522495e-8 * middle_ab_1;
-    let middle_ab_11 = mul_add(middle_ab_9, middle_ab_4, middle_ab_5 * middle_ab_10);
-    let middle_ab_12 = v_middle_ab * sin_middle_mcp;
-    let middle_ab_13 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_11,
-        middle_ab_7 * middle_ab_6,
-    );
-    let middle_ab_14 = mul_add(0.01315, cos_middle_pip, 0.0446);
-    let middle_ab_15 = 0.005816721629974574 * middle_ab_14;
-    let middle_ab_16 = neg_mul_add(
-        sin_middle_pip,
-        2.422131359401662e-7 * sin_middle_pip,
-        mul_add(middle_ab_14, middle_ab_15, 4.283482280993526e-7),
-    );
-    let middle_ab_17 = 0.01315 * sin_middle_pip;
-    let middle_ab_18 = 2.422131359401662e-7 * cos_middle_pip;
-    let middle_ab_19 = mul_add(
-        middle_ab_17,
-        middle_ab_15,
-        sin_middle_pip * middle_ab_18,
-    );
-    let middle_ab_20 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_19,
-        middle_ab_7 * middle_ab_16,
-    ) + middle_ab_13;
-    let middle_ab_21 = mul_add(8.530529217154657e-6, middle_ab_7, middle_ab_20);
-    let middle_ab_22 = 0.0029463740860957233 * middle_ab_9;
-    let middle_ab_23 = middle_ab_9 * middle_ab_22;
-    let middle_ab_24 = neg_mul_add(
-        middle_ab_12,
-        neg_mul_add(middle_ab_1, middle_ab_10, 1.1043010074686771e-7 + middle_ab_23),
-        middle_ab_7 * middle_ab_11,
-    );
-    let middle_ab_25 = 7.648988943416565e-5 * sin_middle_pip;
-    let middle_ab_26 = middle_ab_17 * middle_ab_25;
-    let middle_ab_27 = neg_mul_add(
-        middle_ab_12,
-        neg_mul_add(cos_middle_pip, middle_ab_18, 4.283482280993526e-7 + middle_ab_26),
-        middle_ab_7 * middle_ab_19,
-    );
-    let middle_ab_28 = middle_ab_27 + middle_ab_24;
-    let middle_ab_29 = neg_mul_add(5.056120999869704e-7, middle_ab_12, middle_ab_28);
-    momentum[coordinate::MIDDLE_AB] = neg_mul_add(
+    let middle_ab_1 = mul_add(
         sin_middle_mcp,
-        middle_ab_29,
-        cos_middle_mcp * middle_ab_21,
+        cos_middle_pip,
+        cos_middle_mcp * sin_middle_pip,
     );
+    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
+    let middle_ab_2 = mul_sub(
+        cos_middle_mcp,
+        cos_middle_pip,
+        sin_middle_mcp * sin_middle_pip,
+    );
+    let middle_ab_3 = mul_sub(cos_middle_dip, middle_ab_2, sin_middle_dip * middle_ab_1);
+    let middle_ab_4 = 2.5633454549032793e-5 * middle_ab_3;
+    let middle_ab_5 = 0.0263 * middle_ab_2;
+    let middle_ab_6 = 3.2860326736109956e-6 * middle_ab_1;
+    let middle_ab_7 = mul_add(
+        2.0,
+        middle_ab_5 * middle_ab_4,
+        neg_mul_add(middle_ab_1, middle_ab_6, 1.6430163368054978e-6),
+    );
+    let middle_ab_8 = 0.00015397952789848317 * middle_ab_2;
+    let middle_ab_9 = 0.0446 * cos_middle_mcp;
+    let middle_ab_10 = 2.5456116591746076e-5 * sin_middle_mcp;
+    let middle_ab_11 = mul_add(
+        2.0,
+        middle_ab_9 * (middle_ab_8 + middle_ab_4),
+        neg_mul_add(sin_middle_mcp, middle_ab_10, 1.2728058295873038e-5),
+    );
+    let middle_ab_12 = mul_add(
+        cos_middle_dip,
+        middle_ab_1,
+        sin_middle_dip * middle_ab_2,
+    );
+    let middle_ab_13 = 2.612549902141078e-7 * middle_ab_12;
+    let middle_ab_14 = neg_mul_add(middle_ab_12, middle_ab_13, 1.306274951070539e-7)
+        + (1.5265635485041092e-5 + middle_ab_11 + middle_ab_7);
+    momentum[coordinate::MIDDLE_AB] = v_middle_ab * middle_ab_14;
     let middle_mcp_1 = v_middle_mcp + v_middle_pip;
     let middle_mcp_2 = v_middle_dip + middle_mcp_1;
-    let middle_mcp_3 = 0.0446 * v_middle_pip;
-    let middle_mcp_4 = mul_add(v_middle_dip, middle_ab_2, middle_mcp_3);
-    let middle_mcp_5 = v_middle_dip * middle_ab_8;
-    let middle_mcp_6 = mul_sub(
+    let middle_mcp_3 = middle_mcp_2 * middle_ab_4;
+    let middle_mcp_4 = 2.5633454549032793e-5 * middle_ab_12;
+    let middle_mcp_5 = middle_mcp_2 * middle_mcp_4;
+    let middle_mcp_6 = 0.0263 * middle_ab_1;
+    let middle_mcp_7 = v_middle_mcp * middle_ab_9;
+    let middle_mcp_8 = 0.00015397952789848317 * middle_ab_1;
+    let middle_mcp_9 = 0.0446 * sin_middle_mcp;
+    let middle_mcp_10 = v_middle_mcp * middle_mcp_9;
+    let middle_mcp_11 = mul_add(middle_mcp_6, middle_mcp_5, middle_ab_5 * middle_mcp_3)
+        + mul_add(middle_mcp_10, middle_mcp_8, middle_mcp_7 * middle_ab_8);
+    let middle_mcp_12 = middle_mcp_1 * middle_ab_5;
+    let middle_mcp_13 = middle_mcp_7 + middle_mcp_12;
+    let middle_mcp_14 = middle_mcp_1 * middle_mcp_6;
+    let middle_mcp_15 = middle_mcp_10 + middle_mcp_14;
+    let middle_mcp_16 = mul_add(
+        3.33441155323453e-7,
         middle_mcp_2,
-        1.1043010074686771e-7 + mul_add(middle_ab_3, middle_ab_4, middle_ab_23),
-        mul_add(middle_mcp_5, middle_ab_22, middle_mcp_4 * middle_ab_4),
+        mul_add(middle_mcp_15, middle_mcp_4, middle_mcp_13 * middle_ab_4),
     );
-    let middle_mcp_7 = mul_sub(
-        middle_mcp_1,
-        4.283482280993526e-7 + mul_add(middle_ab_14, middle_ab_15, middle_ab_26),
-        middle_mcp_3 * middle_ab_15,
-    );
-    let middle_mcp_8 = middle_mcp_7 + middle_mcp_6;
-    momentum[coordinate::MIDDLE_MCP] = mul_add(
-        8.530529217154657e-6,
+    let middle_mcp_17 = middle_mcp_16
+        + mul_add(3.472167765770182e-6, middle_mcp_1, middle_mcp_11);
+    let middle_mcp_18 = middle_mcp_1 * middle_ab_8;
+    let middle_mcp_19 = middle_mcp_18 + middle_mcp_3;
+    let middle_mcp_20 = middle_mcp_1 * middle_mcp_8;
+    let middle_mcp_21 = middle_mcp_20 + middle_mcp_5;
+    let middle_mcp_22 = mul_add(
+        2.5961728691733047e-5,
         v_middle_mcp,
-        middle_mcp_8,
+        mul_add(middle_mcp_9, middle_mcp_21, middle_ab_9 * middle_mcp_19),
     );
-    let middle_pip_1 = mul_sub(
-        0.0029463740860957233,
-        middle_mcp_4,
-        middle_mcp_2 * middle_ab_4,
-    );
-    momentum[coordinate::MIDDLE_PIP] = mul_add(
-        0.0446,
-        mul_sub(0.000259425784696866, v_middle_pip, middle_mcp_1 * middle_ab_15)
-            + middle_pip_1,
-        middle_mcp_8,
-    );
-    let middle_dip_1 = mul_sub(
-        0.0029463740860957233,
-        middle_mcp_5,
-        middle_mcp_2 * middle_ab_22,
-    );
-    momentum[coordinate::MIDDLE_DIP] = middle_mcp_6
-        + mul_add(middle_ab_8, middle_dip_1, middle_ab_2 * middle_pip_1);
+    momentum[coordinate::MIDDLE_MCP] = middle_mcp_17 + middle_mcp_22;
+    momentum[coordinate::MIDDLE_PIP] = middle_mcp_17;
+    momentum[coordinate::MIDDLE_DIP] = middle_mcp_16;
     let middle_fdp_1 = mul_sub(0.012, cos_middle_mcp, 0.01 * sin_middle_mcp);
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
     let middle_fdp_2 = 0.011999999999999997 * cos_middle_ab;
@@ -164,31 +126,26 @@ pub fn evaluate(
         mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
     );
     let middle_fdp_8 = sqrt(middle_fdp_7);
-    let middle_fdp_9 = 1.0 / middle_fdp_8;
-    let middle_fdp_10 = middle_fdp_3 * middle_fdp_9;
-    let middle_fdp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            4.9505999999999956e-5,
-            cos_middle_pip,
-            0.00018741399999999995 * sin_middle_pip,
-        ),
-        0.00038801411599999986,
+    let middle_fdp_9 = sqrt(
+        0.00038801411599999986
+            - neg_mul_add(
+                9.901199999999991e-5,
+                cos_middle_pip,
+                0.0003748279999999999 * sin_middle_pip,
+            ),
     );
-    let middle_fdp_12 = sqrt(middle_fdp_11);
-    let middle_fdp_13 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            2.8467600000000052e-6,
-            cos_middle_dip,
-            8.681400000000001e-5 * sin_middle_dip,
-        ),
-        0.00017631659600000004,
+    let middle_fdp_10 = sqrt(
+        0.00017631659600000004
+            - neg_mul_add(
+                5.6935200000000105e-6,
+                cos_middle_dip,
+                0.00017362800000000003 * sin_middle_dip,
+            ),
     );
-    let middle_fdp_14 = sqrt(middle_fdp_13);
-    let middle_fdp_15 = k_flexor
-        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_12 + middle_fdp_14
+    let middle_fdp_11 = k_flexor
+        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_9 + middle_fdp_10
             - rest_middle_fdp);
+    let middle_fdp_12 = 1.0 / middle_fdp_8;
     let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
     let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
     let middle_edc_3 = middle_edc_2 + middle_edc_1;
@@ -202,32 +159,23 @@ pub fn evaluate(
     );
     let middle_edc_8 = sqrt(middle_edc_7);
     let middle_edc_9 = 1.0 / middle_edc_8;
-    let middle_edc_10 = middle_edc_3 * middle_edc_9;
-    let middle_edc_11 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_middle_pip,
-            3.6000000000000014e-5 * sin_middle_pip,
-        ),
-        0.00016999999999999999,
+    let middle_edc_10 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_middle_pip,
+                7.200000000000003e-5 * sin_middle_pip,
+            ),
     );
-    let middle_edc_12 = sqrt(middle_edc_11);
-    let middle_edc_13 = k_extensor
-        * (0.15123287910466324 + middle_edc_8 + middle_edc_12 - rest_middle_edc);
-    let middle_edc_14 = neg_mul_add(
-        middle_edc_4,
-        middle_edc_10,
-        middle_edc_2 * (middle_edc_4 * middle_edc_9),
-    ) * middle_edc_13;
-    let middle_ab_30 = mul_add(
-        neg_mul_add(
-            middle_fdp_4,
-            middle_fdp_10,
-            middle_fdp_2 * (middle_fdp_4 * middle_fdp_9),
-        ),
-        middle_fdp_15,
-        middle_edc_14,
+    let middle_edc_11 = k_extensor
+        * (0.15123287910466324 + middle_edc_8 + middle_edc_10 - rest_middle_edc);
+    let middle_edc_12 = middle_edc_9
+        * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3)
+        * middle_edc_11;
+    let middle_ab_15 = mul_add(
+        middle_fdp_12 * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3),
+        middle_fdp_11,
+        middle_edc_12,
     );
     let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
     let middle_interosseous_2 = mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
@@ -255,17 +203,17 @@ pub fn evaluate(
     );
     let middle_interosseous_13 = sqrt(middle_interosseous_12);
     let middle_interosseous_14 = 1.0 / middle_interosseous_13;
-    let middle_interosseous_15 = middle_interosseous_5 * middle_interosseous_14;
-    let middle_interosseous_16 = k_intrinsic
+    let middle_interosseous_15 = k_intrinsic
         * (0.041720019175451005 + middle_interosseous_13 - rest_middle_interosseous);
-    let middle_ab_31 = mul_add(
-        neg_mul_add(
-            middle_interosseous_7,
-            middle_interosseous_15,
-            middle_interosseous_2 * (middle_interosseous_8 * middle_interosseous_14),
-        ),
-        middle_interosseous_16,
-        middle_ab_30,
+    let middle_ab_16 = mul_add(
+        middle_interosseous_14
+            * mul_sub(
+                middle_interosseous_2,
+                middle_interosseous_8,
+                middle_interosseous_7 * middle_interosseous_5,
+            ),
+        middle_interosseous_15,
+        middle_ab_15,
     );
     let middle_band_1 = neg_mul_add(0.005, sin_middle_mcp, middle_interosseous_3);
     let middle_band_2 = mul_add(0.01, sin_middle_ab, middle_interosseous_1);
@@ -281,129 +229,126 @@ pub fn evaluate(
     );
     let middle_band_9 = sqrt(middle_band_8);
     let middle_band_10 = 1.0 / middle_band_9;
-    let middle_band_11 = middle_band_3 * middle_band_10;
-    let middle_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_middle_pip,
-            3.600000000000002e-5 * sin_middle_pip,
-        ),
-        9.000000000000003e-5,
+    let middle_band_11 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_middle_pip,
+                7.200000000000004e-5 * sin_middle_pip,
+            ),
     );
-    let middle_band_13 = sqrt(middle_band_12);
-    let middle_band_14 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_middle_dip, 2.5999999999999988e-5 * sin_middle_dip),
-        9.649999999999999e-5,
+    let middle_band_12 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_middle_dip, 5.1999999999999976e-5 * sin_middle_dip),
     );
-    let middle_band_15 = sqrt(middle_band_14);
-    let middle_band_16 = k_intrinsic
-        * (0.09905932921879514 + middle_band_9 + middle_band_13 + middle_band_15
+    let middle_band_13 = k_intrinsic
+        * (0.09905932921879514 + middle_band_9 + middle_band_11 + middle_band_12
             - rest_middle_band);
     force[coordinate::MIDDLE_AB] = mul_sub(
-        mul_add(
-            middle_band_4,
-            middle_band_11,
-            middle_band_2 * (middle_band_5 * middle_band_10),
-        ),
-        middle_band_16,
-        middle_ab_31,
+        middle_band_10
+            * mul_add(middle_band_2, middle_band_5, middle_band_4 * middle_band_3),
+        middle_band_13,
+        middle_ab_16,
     );
-    let middle_mcp_9 = mul_sub(
-        mul_add(
-            middle_fdp_5,
-            middle_fdp_10,
-            middle_fdp_1 * (middle_fdp_6 * middle_fdp_9),
-        ),
-        middle_fdp_15,
-        mul_add(middle_ab_7, middle_ab_29, middle_ab_12 * middle_ab_21),
+    let middle_mcp_23 = v_middle_ab * middle_ab_4;
+    let middle_mcp_24 = neg_mul_add(
+        v_middle_ab * middle_mcp_6,
+        middle_mcp_23,
+        neg_mul_add(middle_mcp_14, middle_mcp_3, middle_mcp_12 * middle_mcp_5),
     );
-    let middle_mcp_10 = neg_mul_add(
-        mul_sub(
-            middle_edc_5,
-            middle_edc_10,
-            middle_edc_1 * (middle_edc_6 * middle_edc_9),
-        ),
-        middle_edc_13,
-        middle_mcp_9,
+    let middle_mcp_25 = v_middle_ab * middle_ab_9;
+    let middle_mcp_26 = neg_mul_add(
+        middle_mcp_25,
+        v_middle_ab * middle_mcp_8,
+        neg_mul_add(middle_mcp_7, middle_mcp_20, middle_mcp_10 * middle_mcp_18),
     );
-    let middle_mcp_11 = mul_add(
-        mul_add(
-            middle_interosseous_10,
-            middle_interosseous_15,
-            middle_interosseous_4 * (middle_interosseous_11 * middle_interosseous_14),
-        ),
-        middle_interosseous_16,
-        middle_mcp_10,
+    let middle_mcp_27 = v_middle_ab * v_middle_ab;
+    let middle_mcp_28 = neg_mul_add(
+        mul_add(v_middle_ab, middle_ab_5, middle_mcp_25),
+        v_middle_ab * middle_mcp_4,
+        neg_mul_add(middle_mcp_13, middle_mcp_5, middle_mcp_15 * middle_mcp_3),
+    );
+    let middle_mcp_29 = neg_mul_add(
+        middle_ab_3 * middle_ab_13,
+        middle_mcp_27,
+        middle_mcp_28,
+    );
+    let middle_mcp_30 = middle_mcp_29
+        + neg_mul_add(
+            middle_ab_2 * middle_ab_6,
+            middle_mcp_27,
+            middle_mcp_24 + middle_mcp_26,
+        );
+    let middle_mcp_31 = neg_mul_add(
+        v_middle_ab * middle_mcp_9,
+        mul_add(v_middle_ab, middle_ab_8, middle_mcp_23),
+        neg_mul_add(middle_mcp_10, middle_mcp_19, middle_mcp_7 * middle_mcp_21),
+    );
+    let middle_mcp_32 = mul_add(
+        middle_fdp_12 * mul_add(middle_fdp_5, middle_fdp_3, middle_fdp_1 * middle_fdp_6),
+        middle_fdp_11,
+        middle_mcp_30
+            + neg_mul_add(cos_middle_mcp * middle_ab_10, middle_mcp_27, middle_mcp_31),
+    );
+    let middle_mcp_33 = neg_mul_add(
+        middle_edc_9 * mul_sub(middle_edc_5, middle_edc_3, middle_edc_1 * middle_edc_6),
+        middle_edc_11,
+        middle_mcp_32,
+    );
+    let middle_mcp_34 = mul_add(
+        middle_interosseous_14
+            * mul_add(
+                middle_interosseous_10,
+                middle_interosseous_5,
+                middle_interosseous_4 * middle_interosseous_11,
+            ),
+        middle_interosseous_15,
+        middle_mcp_33,
     );
     force[coordinate::MIDDLE_MCP] = mul_add(
-        mul_add(
-            middle_band_6,
-            middle_band_11,
-            middle_band_1 * (middle_band_7 * middle_band_10),
-        ),
-        middle_band_16,
-        middle_mcp_11,
+        middle_band_10
+            * mul_add(middle_band_6, middle_band_3, middle_band_1 * middle_band_7),
+        middle_band_13,
+        middle_mcp_34,
     );
-    let middle_pip_2 = mul_sub(middle_ab_12, middle_ab_22, middle_ab_7 * middle_ab_4);
-    let middle_pip_3 = 0.0446 * middle_ab_12
-        * (mul_sub(middle_ab_12, middle_ab_25, middle_ab_7 * middle_ab_15)
-            + middle_pip_2);
-    let middle_pip_4 = mul_sub(
-        0.0446 * v_middle_mcp,
-        neg_mul_add(middle_mcp_1, middle_ab_25, middle_dip_1),
-        middle_pip_3,
-    );
-    let middle_fdp_16 = mul_add(
+    let middle_fdp_13 = mul_add(
         4.9505999999999956e-5,
         sin_middle_pip,
         0.00018741399999999995 * cos_middle_pip,
-    ) / middle_fdp_12;
-    let middle_pip_5 = mul_add(
-        middle_fdp_16,
-        middle_fdp_15,
-        middle_pip_4 - mul_add(middle_ab_7, middle_ab_28, middle_ab_12 * middle_ab_20),
-    );
-    let middle_edc_15 = mul_add(
+    ) / middle_fdp_9;
+    let middle_edc_13 = mul_add(
         7.699999999999999e-5,
         sin_middle_pip,
         3.6000000000000014e-5 * cos_middle_pip,
-    ) / middle_edc_12;
-    let middle_band_17 = mul_add(
+    ) / middle_edc_10;
+    let middle_band_14 = mul_add(
         2.6999999999999985e-5,
         sin_middle_pip,
         3.600000000000002e-5 * cos_middle_pip,
-    ) / middle_band_13;
+    ) / middle_band_11;
     force[coordinate::MIDDLE_PIP] = neg_mul_add(
-        middle_band_17,
-        middle_band_16,
-        neg_mul_add(middle_edc_15, middle_edc_13, middle_pip_5),
+        middle_band_14,
+        middle_band_13,
+        neg_mul_add(
+            middle_edc_13,
+            middle_edc_11,
+            mul_add(middle_fdp_13, middle_fdp_11, middle_mcp_30),
+        ),
     );
-    let middle_dip_2 = mul_sub(
-        mul_sub(middle_ab_2, middle_mcp_1, middle_mcp_3),
-        middle_dip_1,
-        mul_add(middle_ab_8, middle_ab_7, middle_ab_2 * middle_ab_12) * middle_pip_2,
-    );
-    let middle_dip_3 = neg_mul_add(
-        middle_ab_8 * middle_mcp_1,
-        middle_pip_1,
-        middle_dip_2,
-    ) - mul_add(middle_ab_7, middle_ab_24, middle_ab_12 * middle_ab_13);
-    let middle_fdp_17 = mul_add(
+    let middle_fdp_14 = mul_add(
         2.8467600000000052e-6,
         sin_middle_dip,
         8.681400000000001e-5 * cos_middle_dip,
-    ) / middle_fdp_14;
-    let middle_band_18 = mul_add(
+    ) / middle_fdp_10;
+    let middle_band_15 = mul_add(
         3.825e-5,
         sin_middle_dip,
         2.5999999999999988e-5 * cos_middle_dip,
-    ) / middle_band_15;
+    ) / middle_band_12;
     force[coordinate::MIDDLE_DIP] = neg_mul_add(
-        middle_band_18,
-        middle_band_16,
-        mul_add(middle_fdp_17, middle_fdp_15, middle_dip_3),
+        middle_band_15,
+        middle_band_13,
+        mul_add(middle_fdp_14, middle_fdp_11, middle_mcp_29),
     );
 }
 
@@ -415,7 +360,7 @@ pub fn evaluate(
 ///
 /// Strands: `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79).
 ///
-/// 780 operations: 83 sums, 204 products, 235 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
+/// 609 operations: 96 sums, 192 products, 149 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate_with_matrix(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -441,189 +386,131 @@ pub fn evaluate_with_matrix(
     let rest_middle_edc = rest[strand::MIDDLE_EDC];
     let rest_middle_interosseous = rest[strand::MIDDLE_INTEROSSEOUS];
     let rest_middle_band = rest[strand::MIDDLE_BAND];
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_ab_1 = mul_sub(
-        cos_middle_pip,
-        cos_middle_dip,
-        sin_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_2 = mul_add(0.0263, cos_middle_pip, 0.0446);
-    let middle_ab_3 = mul_add(0.0087, middle_ab_1, middle_ab_2);
-    let middle_ab_4 = 0.0029463740860957233 * middle_ab_3;
-    let middle_ab_5 = mul_add(
-        sin_middle_pip,
-        cos_middle_dip,
-        cos_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_6 = neg_mul_add(
-        middle_ab_5,
-        3.8243935637522495e-8 * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, 1.1043010074686771e-7),
-    );
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_ab_7 = v_middle_ab * cos_middle_mcp;
-    let middle_ab_8 = 0.0263 * sin_middle_pip;
-    let middle_ab_9 = mul_add(0.0087, middle_ab_5, middle_ab_8);
-    let middle_ab_10 = 3.8243935637522495e-8 * middle_ab_1;
-    let middle_ab_11 = mul_add(middle_ab_9, middle_ab_4, middle_ab_5 * middle_ab_10);
-    let middle_ab_12 = v_middle_ab * sin_middle_mcp;
-    let middle_ab_13 = middle_ab_12 * middle_ab_11;
-    let middle_ab_14 = mul_sub(middle_ab_7, middle_ab_6, middle_ab_13);
-    let middle_ab_15 = mul_add(0.01315, cos_middle_pip, 0.0446);
-    let middle_ab_16 = 0.005816721629974574 * middle_ab_15;
-    let middle_ab_17 = neg_mul_add(
-        sin_middle_pip,
-        2.422131359401662e-7 * sin_middle_pip,
-        mul_add(middle_ab_15, middle_ab_16, 4.283482280993526e-7),
-    );
-    let middle_ab_18 = 0.01315 * sin_middle_pip;
-    let middle_ab_19 = 2.422131359401662e-7 * cos_middle_pip;
-    let middle_ab_20 = mul_add(
-        middle_ab_18,
-        middle_ab_16,
-        sin_middle_pip * middle_ab_19,
-    );
-    let middle_ab_21 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_20,
-        middle_ab_7 * middle_ab_17,
-    ) + middle_ab_14;
-    let middle_ab_22 = mul_add(8.530529217154657e-6, middle_ab_7, middle_ab_21);
-    let middle_ab_23 = 0.0029463740860957233 * middle_ab_9;
-    let middle_ab_24 = middle_ab_9 * middle_ab_23;
-    let middle_ab_25 = neg_mul_add(
-        middle_ab_1,
-        middle_ab_10,
-        1.1043010074686771e-7 + middle_ab_24,
-    );
-    let middle_ab_26 = middle_ab_7 * middle_ab_11;
-    let middle_ab_27 = neg_mul_add(middle_ab_12, middle_ab_25, middle_ab_26);
-    let middle_ab_28 = 7.648988943416565e-5 * sin_middle_pip;
-    let middle_ab_29 = middle_ab_18 * middle_ab_28;
-    let middle_ab_30 = neg_mul_add(
-        cos_middle_pip,
-        middle_ab_19,
-        4.283482280993526e-7 + middle_ab_29,
-    );
-    let middle_ab_31 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_30,
-        middle_ab_7 * middle_ab_20,
-    ) + middle_ab_27;
-    let middle_ab_32 = neg_mul_add(5.056120999869704e-7, middle_ab_12, middle_ab_31);
-    momentum[coordinate::MIDDLE_AB] = neg_mul_add(
+    let middle_ab_1 = mul_add(
         sin_middle_mcp,
-        middle_ab_32,
-        cos_middle_mcp * middle_ab_22,
+        cos_middle_pip,
+        cos_middle_mcp * sin_middle_pip,
     );
-    let middle_mcp_1 = 1.1043010074686771e-7
-        + mul_add(middle_ab_3, middle_ab_4, middle_ab_24);
-    let middle_mcp_2 = v_middle_mcp + v_middle_pip;
-    let middle_mcp_3 = v_middle_dip + middle_mcp_2;
-    let middle_mcp_4 = 0.0446 * v_middle_pip;
-    let middle_mcp_5 = mul_add(v_middle_dip, middle_ab_2, middle_mcp_4);
-    let middle_mcp_6 = v_middle_dip * middle_ab_8;
-    let middle_mcp_7 = mul_sub(
-        middle_mcp_3,
-        middle_mcp_1,
-        mul_add(middle_mcp_6, middle_ab_23, middle_mcp_5 * middle_ab_4),
+    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
+    let middle_ab_2 = mul_sub(
+        cos_middle_mcp,
+        cos_middle_pip,
+        sin_middle_mcp * sin_middle_pip,
     );
-    let middle_mcp_8 = 4.283482280993526e-7
-        + mul_add(middle_ab_15, middle_ab_16, middle_ab_29);
-    let middle_mcp_9 = mul_sub(middle_mcp_2, middle_mcp_8, middle_mcp_4 * middle_ab_16)
-        + middle_mcp_7;
-    momentum[coordinate::MIDDLE_MCP] = mul_add(
-        8.530529217154657e-6,
+    let middle_ab_3 = mul_sub(cos_middle_dip, middle_ab_2, sin_middle_dip * middle_ab_1);
+    let middle_ab_4 = 2.5633454549032793e-5 * middle_ab_3;
+    let middle_ab_5 = 0.0263 * middle_ab_2;
+    let middle_ab_6 = middle_ab_5 * middle_ab_4;
+    let middle_ab_7 = 3.2860326736109956e-6 * middle_ab_1;
+    let middle_ab_8 = neg_mul_add(middle_ab_1, middle_ab_7, 1.6430163368054978e-6);
+    let middle_ab_9 = 0.00015397952789848317 * middle_ab_2;
+    let middle_ab_10 = middle_ab_9 + middle_ab_4;
+    let middle_ab_11 = 0.0446 * cos_middle_mcp;
+    let middle_ab_12 = 2.5456116591746076e-5 * sin_middle_mcp;
+    let middle_ab_13 = neg_mul_add(sin_middle_mcp, middle_ab_12, 1.2728058295873038e-5);
+    let middle_ab_14 = 1.5265635485041092e-5
+        + mul_add(2.0, middle_ab_11 * middle_ab_10, middle_ab_13)
+        + mul_add(2.0, middle_ab_6, middle_ab_8);
+    let middle_ab_15 = mul_add(
+        cos_middle_dip,
+        middle_ab_1,
+        sin_middle_dip * middle_ab_2,
+    );
+    let middle_ab_16 = 2.612549902141078e-7 * middle_ab_15;
+    let middle_ab_17 = neg_mul_add(middle_ab_15, middle_ab_16, 1.306274951070539e-7);
+    let middle_ab_18 = middle_ab_17 + middle_ab_14;
+    momentum[coordinate::MIDDLE_AB] = v_middle_ab * middle_ab_18;
+    let middle_mcp_1 = v_middle_mcp + v_middle_pip;
+    let middle_mcp_2 = v_middle_dip + middle_mcp_1;
+    let middle_mcp_3 = middle_mcp_2 * middle_ab_4;
+    let middle_mcp_4 = 2.5633454549032793e-5 * middle_ab_15;
+    let middle_mcp_5 = middle_mcp_2 * middle_mcp_4;
+    let middle_mcp_6 = 0.0263 * middle_ab_1;
+    let middle_mcp_7 = v_middle_mcp * middle_ab_11;
+    let middle_mcp_8 = 0.00015397952789848317 * middle_ab_1;
+    let middle_mcp_9 = 0.0446 * sin_middle_mcp;
+    let middle_mcp_10 = v_middle_mcp * middle_mcp_9;
+    let middle_mcp_11 = mul_add(middle_mcp_6, middle_mcp_5, middle_ab_5 * middle_mcp_3)
+        + mul_add(middle_mcp_10, middle_mcp_8, middle_mcp_7 * middle_ab_9);
+    let middle_mcp_12 = middle_mcp_1 * middle_ab_5;
+    let middle_mcp_13 = middle_mcp_7 + middle_mcp_12;
+    let middle_mcp_14 = middle_mcp_1 * middle_mcp_6;
+    let middle_mcp_15 = middle_mcp_10 + middle_mcp_14;
+    let middle_mcp_16 = mul_add(
+        3.33441155323453e-7,
+        middle_mcp_2,
+        mul_add(middle_mcp_15, middle_mcp_4, middle_mcp_13 * middle_ab_4),
+    );
+    let middle_mcp_17 = middle_mcp_16
+        + mul_add(3.472167765770182e-6, middle_mcp_1, middle_mcp_11);
+    let middle_mcp_18 = middle_mcp_1 * middle_ab_9;
+    let middle_mcp_19 = middle_mcp_18 + middle_mcp_3;
+    let middle_mcp_20 = middle_mcp_1 * middle_mcp_8;
+    let middle_mcp_21 = middle_mcp_20 + middle_mcp_5;
+    let middle_mcp_22 = mul_add(
+        2.5961728691733047e-5,
         v_middle_mcp,
-        middle_mcp_9,
+        mul_add(middle_mcp_9, middle_mcp_21, middle_ab_11 * middle_mcp_19),
     );
-    let middle_pip_1 = mul_sub(
-        0.0029463740860957233,
-        middle_mcp_5,
-        middle_mcp_3 * middle_ab_4,
-    );
-    let middle_pip_2 = mul_sub(
-        0.000259425784696866,
-        v_middle_pip,
-        middle_mcp_2 * middle_ab_16,
-    ) + middle_pip_1;
-    momentum[coordinate::MIDDLE_PIP] = mul_add(0.0446, middle_pip_2, middle_mcp_9);
-    let middle_dip_1 = mul_sub(
-        0.0029463740860957233,
-        middle_mcp_6,
-        middle_mcp_3 * middle_ab_23,
-    );
-    momentum[coordinate::MIDDLE_DIP] = middle_mcp_7
-        + mul_add(middle_ab_8, middle_dip_1, middle_ab_2 * middle_pip_1);
+    momentum[coordinate::MIDDLE_MCP] = middle_mcp_17 + middle_mcp_22;
+    momentum[coordinate::MIDDLE_PIP] = middle_mcp_17;
+    momentum[coordinate::MIDDLE_DIP] = middle_mcp_16;
     let middle_fdp_1 = mul_sub(0.012, cos_middle_mcp, 0.01 * sin_middle_mcp);
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
     let middle_fdp_2 = 0.011999999999999997 * cos_middle_ab;
     let middle_fdp_3 = middle_fdp_2 + middle_fdp_1;
     let middle_fdp_4 = 0.011999999999999997 * sin_middle_ab;
-    let middle_fdp_5 = middle_fdp_4 * middle_fdp_4;
-    let middle_fdp_6 = mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
-    let middle_fdp_7 = 0.011 - middle_fdp_6;
-    let middle_fdp_8 = sqrt(
-        mul_add(
-            middle_fdp_7,
-            middle_fdp_7,
-            mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_5),
-        ),
+    let middle_fdp_5 = mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
+    let middle_fdp_6 = 0.011 - middle_fdp_5;
+    let middle_fdp_7 = mul_add(
+        middle_fdp_6,
+        middle_fdp_6,
+        mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
     );
-    let middle_fdp_9 = 1.0 / middle_fdp_8;
-    let middle_fdp_10 = middle_fdp_3 * middle_fdp_9;
-    let middle_fdp_11 = middle_fdp_4 * middle_fdp_9;
-    let middle_fdp_12 = neg_mul_add(
-        middle_fdp_4,
-        middle_fdp_10,
-        middle_fdp_2 * middle_fdp_11,
-    );
-    let middle_fdp_13 = neg_mul_add(
-        4.9505999999999956e-5,
+    let middle_fdp_8 = sqrt(middle_fdp_7);
+    let middle_fdp_9 = neg_mul_add(
+        9.901199999999991e-5,
         cos_middle_pip,
-        0.00018741399999999995 * sin_middle_pip,
+        0.0003748279999999999 * sin_middle_pip,
     );
-    let middle_fdp_14 = sqrt(neg_mul_add(2.0, middle_fdp_13, 0.00038801411599999986));
-    let middle_fdp_15 = neg_mul_add(
-        2.8467600000000052e-6,
+    let middle_fdp_10 = sqrt(0.00038801411599999986 - middle_fdp_9);
+    let middle_fdp_11 = neg_mul_add(
+        5.6935200000000105e-6,
         cos_middle_dip,
-        8.681400000000001e-5 * sin_middle_dip,
+        0.00017362800000000003 * sin_middle_dip,
     );
-    let middle_fdp_16 = sqrt(neg_mul_add(2.0, middle_fdp_15, 0.00017631659600000004));
-    let middle_fdp_17 = k_flexor
-        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_14 + middle_fdp_16
+    let middle_fdp_12 = sqrt(0.00017631659600000004 - middle_fdp_11);
+    let middle_fdp_13 = k_flexor
+        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_10 + middle_fdp_12
             - rest_middle_fdp);
+    let middle_fdp_14 = 1.0 / middle_fdp_8;
+    let middle_fdp_15 = middle_fdp_14
+        * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3);
     let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
     let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
     let middle_edc_3 = middle_edc_2 + middle_edc_1;
     let middle_edc_4 = 0.0030000000000000027 * sin_middle_ab;
-    let middle_edc_5 = middle_edc_4 * middle_edc_4;
-    let middle_edc_6 = mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
-    let middle_edc_7 = -0.011 + middle_edc_6;
-    let middle_edc_8 = sqrt(
-        mul_add(
-            middle_edc_7,
-            middle_edc_7,
-            mul_add(middle_edc_3, middle_edc_3, middle_edc_5),
-        ),
+    let middle_edc_5 = mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
+    let middle_edc_6 = -0.011 + middle_edc_5;
+    let middle_edc_7 = mul_add(
+        middle_edc_6,
+        middle_edc_6,
+        mul_add(middle_edc_3, middle_edc_3, middle_edc_4 * middle_edc_4),
     );
+    let middle_edc_8 = sqrt(middle_edc_7);
     let middle_edc_9 = 1.0 / middle_edc_8;
-    let middle_edc_10 = middle_edc_3 * middle_edc_9;
-    let middle_edc_11 = middle_edc_4 * middle_edc_9;
-    let middle_edc_12 = neg_mul_add(
-        middle_edc_4,
-        middle_edc_10,
-        middle_edc_2 * middle_edc_11,
-    );
-    let middle_edc_13 = mul_sub(
-        7.699999999999999e-5,
+    let middle_edc_10 = middle_edc_9
+        * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3);
+    let middle_edc_11 = mul_sub(
+        0.00015399999999999998,
         cos_middle_pip,
-        3.6000000000000014e-5 * sin_middle_pip,
+        7.200000000000003e-5 * sin_middle_pip,
     );
-    let middle_edc_14 = sqrt(neg_mul_add(2.0, middle_edc_13, 0.00016999999999999999));
-    let middle_edc_15 = k_extensor
-        * (0.15123287910466324 + middle_edc_8 + middle_edc_14 - rest_middle_edc);
+    let middle_edc_12 = sqrt(0.00016999999999999999 - middle_edc_11);
+    let middle_edc_13 = k_extensor
+        * (0.15123287910466324 + middle_edc_8 + middle_edc_12 - rest_middle_edc);
     let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
     let middle_interosseous_2 = mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
     let middle_interosseous_3 = 0.008 * cos_middle_mcp;
@@ -650,19 +537,18 @@ pub fn evaluate_with_matrix(
     );
     let middle_interosseous_13 = sqrt(middle_interosseous_12);
     let middle_interosseous_14 = 1.0 / middle_interosseous_13;
-    let middle_interosseous_15 = middle_interosseous_5 * middle_interosseous_14;
-    let middle_interosseous_16 = middle_interosseous_8 * middle_interosseous_14;
-    let middle_interosseous_17 = neg_mul_add(
-        middle_interosseous_7,
-        middle_interosseous_15,
-        middle_interosseous_2 * middle_interosseous_16,
-    );
-    let middle_interosseous_18 = k_intrinsic
+    let middle_interosseous_15 = middle_interosseous_14
+        * mul_sub(
+            middle_interosseous_2,
+            middle_interosseous_8,
+            middle_interosseous_7 * middle_interosseous_5,
+        );
+    let middle_interosseous_16 = k_intrinsic
         * (0.041720019175451005 + middle_interosseous_13 - rest_middle_interosseous);
-    let middle_ab_33 = mul_add(
-        middle_interosseous_17,
-        middle_interosseous_18,
-        mul_add(middle_fdp_12, middle_fdp_17, middle_edc_12 * middle_edc_15),
+    let middle_ab_19 = mul_add(
+        middle_interosseous_15,
+        middle_interosseous_16,
+        mul_add(middle_fdp_15, middle_fdp_13, middle_edc_10 * middle_edc_13),
     );
     let middle_band_1 = neg_mul_add(0.005, sin_middle_mcp, middle_interosseous_3);
     let middle_band_2 = mul_add(0.01, sin_middle_ab, middle_interosseous_1);
@@ -678,546 +564,410 @@ pub fn evaluate_with_matrix(
     );
     let middle_band_9 = sqrt(middle_band_8);
     let middle_band_10 = 1.0 / middle_band_9;
-    let middle_band_11 = middle_band_3 * middle_band_10;
-    let middle_band_12 = middle_band_5 * middle_band_10;
-    let middle_band_13 = mul_add(
-        middle_band_4,
-        middle_band_11,
-        middle_band_2 * middle_band_12,
-    );
-    let middle_band_14 = mul_sub(
-        2.6999999999999985e-5,
+    let middle_band_11 = middle_band_10
+        * mul_add(middle_band_2, middle_band_5, middle_band_4 * middle_band_3);
+    let middle_band_12 = mul_sub(
+        5.399999999999997e-5,
         cos_middle_pip,
-        3.600000000000002e-5 * sin_middle_pip,
+        7.200000000000004e-5 * sin_middle_pip,
     );
-    let middle_band_15 = sqrt(neg_mul_add(2.0, middle_band_14, 9.000000000000003e-5));
-    let middle_band_16 = mul_sub(
-        3.825e-5,
+    let middle_band_13 = sqrt(9.000000000000003e-5 - middle_band_12);
+    let middle_band_14 = mul_sub(
+        7.65e-5,
         cos_middle_dip,
-        2.5999999999999988e-5 * sin_middle_dip,
+        5.1999999999999976e-5 * sin_middle_dip,
     );
-    let middle_band_17 = sqrt(neg_mul_add(2.0, middle_band_16, 9.649999999999999e-5));
-    let middle_band_18 = k_intrinsic
-        * (0.09905932921879514 + middle_band_9 + middle_band_15 + middle_band_17
+    let middle_band_15 = sqrt(9.649999999999999e-5 - middle_band_14);
+    let middle_band_16 = k_intrinsic
+        * (0.09905932921879514 + middle_band_9 + middle_band_13 + middle_band_15
             - rest_middle_band);
-    force[coordinate::MIDDLE_AB] = mul_sub(middle_band_13, middle_band_18, middle_ab_33);
-    let middle_fdp_18 = middle_fdp_7 * middle_fdp_9;
-    let middle_fdp_19 = mul_add(
-        middle_fdp_6,
-        middle_fdp_10,
-        middle_fdp_1 * middle_fdp_18,
+    force[coordinate::MIDDLE_AB] = mul_sub(middle_band_11, middle_band_16, middle_ab_19);
+    let middle_mcp_23 = v_middle_ab * middle_ab_4;
+    let middle_mcp_24 = v_middle_ab * middle_mcp_6;
+    let middle_mcp_25 = neg_mul_add(
+        middle_mcp_24,
+        middle_mcp_23,
+        neg_mul_add(middle_mcp_14, middle_mcp_3, middle_mcp_12 * middle_mcp_5),
     );
-    let middle_mcp_10 = mul_sub(
-        middle_fdp_19,
-        middle_fdp_17,
-        mul_add(middle_ab_7, middle_ab_32, middle_ab_12 * middle_ab_22),
+    let middle_mcp_26 = v_middle_ab * middle_mcp_8;
+    let middle_mcp_27 = v_middle_ab * middle_ab_11;
+    let middle_mcp_28 = neg_mul_add(
+        middle_mcp_27,
+        middle_mcp_26,
+        neg_mul_add(middle_mcp_7, middle_mcp_20, middle_mcp_10 * middle_mcp_18),
     );
-    let middle_edc_16 = middle_edc_7 * middle_edc_9;
-    let middle_edc_17 = mul_sub(
-        middle_edc_6,
-        middle_edc_10,
-        middle_edc_1 * middle_edc_16,
+    let middle_mcp_29 = middle_ab_2 * middle_ab_7;
+    let middle_mcp_30 = v_middle_ab * v_middle_ab;
+    let middle_mcp_31 = v_middle_ab * middle_mcp_4;
+    let middle_mcp_32 = v_middle_ab * middle_ab_5;
+    let middle_mcp_33 = middle_mcp_27 + middle_mcp_32;
+    let middle_mcp_34 = neg_mul_add(
+        middle_mcp_33,
+        middle_mcp_31,
+        neg_mul_add(middle_mcp_13, middle_mcp_5, middle_mcp_15 * middle_mcp_3),
     );
-    let middle_interosseous_19 = middle_interosseous_11 * middle_interosseous_14;
-    let middle_interosseous_20 = mul_add(
-        middle_interosseous_10,
-        middle_interosseous_15,
-        middle_interosseous_4 * middle_interosseous_19,
+    let middle_mcp_35 = middle_ab_3 * middle_ab_16;
+    let middle_mcp_36 = neg_mul_add(middle_mcp_35, middle_mcp_30, middle_mcp_34);
+    let middle_mcp_37 = middle_mcp_36
+        + neg_mul_add(middle_mcp_29, middle_mcp_30, middle_mcp_25 + middle_mcp_28);
+    let middle_mcp_38 = v_middle_ab * middle_ab_9;
+    let middle_mcp_39 = middle_mcp_38 + middle_mcp_23;
+    let middle_mcp_40 = v_middle_ab * middle_mcp_9;
+    let middle_mcp_41 = neg_mul_add(
+        middle_mcp_40,
+        middle_mcp_39,
+        neg_mul_add(middle_mcp_10, middle_mcp_19, middle_mcp_7 * middle_mcp_21),
     );
-    let middle_band_19 = middle_band_7 * middle_band_10;
-    let middle_band_20 = mul_add(
-        middle_band_6,
-        middle_band_11,
-        middle_band_1 * middle_band_19,
+    let middle_mcp_42 = cos_middle_mcp * middle_ab_12;
+    let middle_fdp_16 = middle_fdp_14
+        * mul_add(middle_fdp_5, middle_fdp_3, middle_fdp_1 * middle_fdp_6);
+    let middle_mcp_43 = mul_add(
+        middle_fdp_16,
+        middle_fdp_13,
+        middle_mcp_37 + neg_mul_add(middle_mcp_42, middle_mcp_30, middle_mcp_41),
     );
+    let middle_edc_14 = middle_edc_9
+        * mul_sub(middle_edc_5, middle_edc_3, middle_edc_1 * middle_edc_6);
+    let middle_interosseous_17 = middle_interosseous_14
+        * mul_add(
+            middle_interosseous_10,
+            middle_interosseous_5,
+            middle_interosseous_4 * middle_interosseous_11,
+        );
+    let middle_band_17 = middle_band_10
+        * mul_add(middle_band_6, middle_band_3, middle_band_1 * middle_band_7);
     force[coordinate::MIDDLE_MCP] = mul_add(
-        middle_band_20,
-        middle_band_18,
+        middle_band_17,
+        middle_band_16,
         mul_add(
-            middle_interosseous_20,
-            middle_interosseous_18,
-            neg_mul_add(middle_edc_17, middle_edc_15, middle_mcp_10),
+            middle_interosseous_17,
+            middle_interosseous_16,
+            neg_mul_add(middle_edc_14, middle_edc_13, middle_mcp_43),
         ),
     );
-    let middle_pip_3 = mul_sub(middle_ab_12, middle_ab_23, middle_ab_7 * middle_ab_4);
-    let middle_pip_4 = mul_sub(middle_ab_12, middle_ab_28, middle_ab_7 * middle_ab_16)
-        + middle_pip_3;
-    let middle_pip_5 = 0.0446 * middle_ab_12;
-    let middle_pip_6 = neg_mul_add(middle_mcp_2, middle_ab_28, middle_dip_1);
-    let middle_pip_7 = 0.0446 * v_middle_mcp;
-    let middle_pip_8 = mul_sub(middle_pip_7, middle_pip_6, middle_pip_5 * middle_pip_4)
-        - mul_add(middle_ab_7, middle_ab_31, middle_ab_12 * middle_ab_21);
-    let middle_fdp_20 = 1.0 / middle_fdp_14;
-    let middle_fdp_21 = middle_fdp_20
+    let middle_fdp_17 = 1.0 / middle_fdp_10;
+    let middle_fdp_18 = middle_fdp_17
         * mul_add(
             4.9505999999999956e-5,
             sin_middle_pip,
             0.00018741399999999995 * cos_middle_pip,
         );
-    let middle_edc_18 = 1.0 / middle_edc_14;
-    let middle_edc_19 = middle_edc_18
+    let middle_edc_15 = 1.0 / middle_edc_12;
+    let middle_edc_16 = middle_edc_15
         * mul_add(
             7.699999999999999e-5,
             sin_middle_pip,
             3.6000000000000014e-5 * cos_middle_pip,
         );
-    let middle_band_21 = 1.0 / middle_band_15;
-    let middle_band_22 = middle_band_21
+    let middle_band_18 = 1.0 / middle_band_13;
+    let middle_band_19 = middle_band_18
         * mul_add(
             2.6999999999999985e-5,
             sin_middle_pip,
             3.600000000000002e-5 * cos_middle_pip,
         );
     force[coordinate::MIDDLE_PIP] = neg_mul_add(
-        middle_band_22,
-        middle_band_18,
+        middle_band_19,
+        middle_band_16,
         neg_mul_add(
-            middle_edc_19,
-            middle_edc_15,
-            mul_add(middle_fdp_21, middle_fdp_17, middle_pip_8),
+            middle_edc_16,
+            middle_edc_13,
+            mul_add(middle_fdp_18, middle_fdp_13, middle_mcp_37),
         ),
     );
-    let middle_dip_2 = mul_add(middle_ab_8, middle_ab_7, middle_ab_2 * middle_ab_12);
-    let middle_dip_3 = mul_sub(middle_ab_2, middle_mcp_2, middle_mcp_4);
-    let middle_dip_4 = middle_ab_8 * middle_mcp_2;
-    let middle_dip_5 = neg_mul_add(
-        middle_dip_4,
-        middle_pip_1,
-        mul_sub(middle_dip_3, middle_dip_1, middle_dip_2 * middle_pip_3),
-    );
-    let middle_fdp_22 = 1.0 / middle_fdp_16;
-    let middle_fdp_23 = middle_fdp_22
+    let middle_fdp_19 = 1.0 / middle_fdp_12;
+    let middle_fdp_20 = middle_fdp_19
         * mul_add(
             2.8467600000000052e-6,
             sin_middle_dip,
             8.681400000000001e-5 * cos_middle_dip,
         );
-    let middle_dip_6 = mul_add(
-        middle_fdp_23,
-        middle_fdp_17,
-        middle_dip_5 - mul_add(middle_ab_7, middle_ab_27, middle_ab_12 * middle_ab_14),
-    );
-    let middle_band_23 = 1.0 / middle_band_17;
-    let middle_band_24 = middle_band_23
+    let middle_band_20 = 1.0 / middle_band_15;
+    let middle_band_21 = middle_band_20
         * mul_add(3.825e-5, sin_middle_dip, 2.5999999999999988e-5 * cos_middle_dip);
     force[coordinate::MIDDLE_DIP] = neg_mul_add(
-        middle_band_24,
-        middle_band_18,
-        middle_dip_6,
-    );
-    let middle_fdp_24 = mul_sub(
-        middle_fdp_9,
-        neg_mul_add(
-            middle_fdp_12,
-            middle_fdp_12,
-            mul_add(middle_fdp_2, middle_fdp_2, middle_fdp_5),
-        ),
-        mul_add(middle_fdp_2, middle_fdp_10, middle_fdp_4 * middle_fdp_11),
+        middle_band_21,
+        middle_band_16,
+        mul_add(middle_fdp_20, middle_fdp_13, middle_mcp_36),
     );
     let index_fdp_1 = 0.25 * h;
-    let middle_fdp_25 = index_fdp_1 * middle_fdp_17;
+    let middle_fdp_21 = index_fdp_1 * middle_fdp_13;
+    let middle_fdp_22 = middle_fdp_14 * middle_fdp_21;
     let index_fdp_2 = k_flexor * index_fdp_1;
-    let middle_ab_34 = middle_ab_17 + middle_ab_6;
-    let middle_ab_35 = 8.530529217154657e-6 + middle_ab_34;
-    let middle_ab_36 = middle_ab_20 + middle_ab_11;
-    let middle_ab_37 = 1.0 / h;
-    let middle_ab_38 = cos_middle_mcp
-        * (middle_ab_37
-            * neg_mul_add(sin_middle_mcp, middle_ab_36, cos_middle_mcp * middle_ab_35));
-    let middle_ab_39 = middle_ab_30 + middle_ab_25;
-    let middle_ab_40 = 5.056120999869704e-7 + middle_ab_39;
-    let middle_ab_41 = mul_sub(
-        sin_middle_mcp,
-        middle_ab_37
-            * neg_mul_add(sin_middle_mcp, middle_ab_40, cos_middle_mcp * middle_ab_36),
-        middle_ab_38,
-    );
-    let middle_ab_42 = middle_ab_41
-        - mul_add(
-            middle_fdp_12,
-            index_fdp_2 * middle_fdp_12,
-            middle_fdp_24 * middle_fdp_25,
-        );
-    let middle_edc_20 = mul_sub(
-        middle_edc_9,
-        neg_mul_add(
-            middle_edc_12,
-            middle_edc_12,
-            mul_add(middle_edc_2, middle_edc_2, middle_edc_5),
+    let middle_fdp_23 = index_fdp_2 - middle_fdp_22;
+    let middle_fdp_24 = middle_fdp_2 * middle_fdp_1;
+    let middle_ab_20 = 1.0 / h;
+    let middle_ab_21 = mul_add(
+        middle_ab_20,
+        middle_ab_18,
+        mul_sub(
+            middle_fdp_15,
+            middle_fdp_15 * middle_fdp_23,
+            middle_fdp_24 * middle_fdp_22,
         ),
-        mul_add(middle_edc_2, middle_edc_10, middle_edc_4 * middle_edc_11),
     );
-    let middle_edc_21 = index_fdp_1 * middle_edc_15;
+    let middle_edc_17 = index_fdp_1 * middle_edc_13;
+    let middle_edc_18 = middle_edc_9 * middle_edc_17;
     let index_edc_1 = k_extensor * index_fdp_1;
-    let middle_ab_43 = middle_ab_42
-        - mul_add(
-            middle_edc_12,
-            index_edc_1 * middle_edc_12,
-            middle_edc_20 * middle_edc_21,
-        );
-    let middle_interosseous_21 = neg_mul_add(
-        middle_interosseous_17,
-        middle_interosseous_17,
-        mul_add(
-            middle_interosseous_7,
-            middle_interosseous_7,
-            middle_interosseous_2 * middle_interosseous_2,
-        ),
-    );
-    let middle_interosseous_22 = mul_add(
-        middle_interosseous_14,
-        middle_interosseous_21,
-        mul_add(
-            middle_interosseous_2,
-            middle_interosseous_15,
-            middle_interosseous_7 * middle_interosseous_16,
-        ),
-    );
-    let middle_interosseous_23 = index_fdp_1 * middle_interosseous_18;
+    let middle_edc_19 = index_edc_1 - middle_edc_18;
+    let middle_edc_20 = middle_edc_2 * middle_edc_1;
+    let middle_ab_22 = mul_sub(
+        middle_edc_10,
+        middle_edc_10 * middle_edc_19,
+        middle_edc_20 * middle_edc_18,
+    ) + middle_ab_21;
+    let middle_interosseous_18 = middle_interosseous_14
+        * (index_fdp_1 * middle_interosseous_16);
     let index_interosseous_1 = k_intrinsic * index_fdp_1;
-    let middle_ab_44 = middle_ab_43
-        - mul_add(
-            middle_interosseous_17,
-            index_interosseous_1 * middle_interosseous_17,
-            middle_interosseous_22 * middle_interosseous_23,
+    let middle_interosseous_19 = index_interosseous_1 - middle_interosseous_18;
+    let middle_interosseous_20 = middle_interosseous_2 * middle_interosseous_4;
+    let middle_interosseous_21 = mul_add(
+        middle_interosseous_15,
+        middle_interosseous_15 * middle_interosseous_19,
+        mul_add(0.01, middle_interosseous_7, middle_interosseous_20)
+            * middle_interosseous_18,
+    );
+    let middle_band_22 = index_fdp_1 * middle_band_16;
+    let middle_band_23 = middle_band_10 * middle_band_22;
+    let middle_band_24 = index_interosseous_1 - middle_band_23;
+    let middle_band_25 = middle_band_2 * middle_band_1;
+    let middle_band_26 = mul_sub(
+        middle_band_11,
+        middle_band_11 * middle_band_24,
+        mul_add(0.009, middle_band_4, middle_band_25) * middle_band_23,
+    );
+    matrix[16] = -(middle_band_26 + (middle_interosseous_21 + middle_ab_22));
+    let middle_fdp_25 = middle_fdp_16 * middle_fdp_23;
+    let middle_edc_21 = middle_edc_14 * middle_edc_19;
+    let middle_ab_23 = neg_mul_add(
+        middle_fdp_15,
+        middle_fdp_25,
+        middle_fdp_4 * middle_fdp_5 * middle_fdp_22,
+    )
+        + mul_sub(
+            middle_edc_10,
+            middle_edc_21,
+            middle_edc_4 * middle_edc_5 * middle_edc_18,
         );
-    let middle_band_25 = neg_mul_add(
-        middle_band_13,
-        middle_band_13,
-        mul_add(middle_band_4, middle_band_4, middle_band_2 * middle_band_2),
+    let middle_interosseous_22 = middle_interosseous_17 * middle_interosseous_19;
+    let middle_ab_24 = neg_mul_add(
+        middle_interosseous_15,
+        middle_interosseous_22,
+        middle_interosseous_7 * middle_interosseous_10 * middle_interosseous_18,
+    ) + middle_ab_23;
+    let middle_band_27 = middle_band_17 * middle_band_24;
+    let middle_ab_25 = mul_add(
+        middle_band_11,
+        middle_band_27,
+        middle_band_4 * middle_band_6 * middle_band_23,
+    ) + middle_ab_24;
+    let middle_ab_26 = 2.0 * v_middle_ab;
+    let middle_ab_27 = mul_add(
+        middle_mcp_35,
+        middle_ab_26,
+        mul_add(middle_ab_11 + middle_ab_5, middle_mcp_31, middle_mcp_33 * middle_mcp_4),
     );
-    let middle_band_26 = mul_add(
-        middle_band_10,
-        middle_band_25,
-        neg_mul_add(middle_band_2, middle_band_11, middle_band_4 * middle_band_12),
+    let middle_ab_28 = 0.5 * middle_ab_27;
+    let middle_ab_29 = mul_add(
+        middle_mcp_6,
+        middle_mcp_23,
+        mul_add(middle_mcp_24, middle_ab_4, middle_ab_11 * middle_mcp_26),
     );
-    let middle_band_27 = index_fdp_1 * middle_band_18;
-    matrix[16] = middle_ab_44
-        - mul_add(
-            middle_band_13,
-            index_interosseous_1 * middle_band_13,
-            middle_band_26 * middle_band_27,
-        );
-    let middle_fdp_26 = middle_fdp_9
-        * mul_add(middle_fdp_4, middle_fdp_6, middle_fdp_12 * middle_fdp_19)
-        * middle_fdp_25;
-    let middle_fdp_27 = index_fdp_2 * middle_fdp_19;
-    let middle_fdp_28 = neg_mul_add(middle_fdp_12, middle_fdp_27, middle_fdp_26);
-    let middle_ab_45 = middle_ab_7 * middle_ab_36;
-    let middle_ab_46 = middle_ab_32 + mul_add(middle_ab_12, middle_ab_35, middle_ab_45);
-    let middle_ab_47 = middle_ab_12 * middle_ab_36;
-    let middle_ab_48 = middle_ab_22 - mul_add(middle_ab_7, middle_ab_40, middle_ab_47);
-    let middle_ab_49 = mul_add(
-        sin_middle_mcp,
-        middle_ab_48,
-        cos_middle_mcp * middle_ab_46,
-    );
-    let middle_edc_22 = middle_edc_9
-        * mul_add(middle_edc_4, middle_edc_6, middle_edc_12 * middle_edc_17)
-        * middle_edc_21;
-    let middle_edc_23 = index_edc_1 * middle_edc_17;
-    let middle_edc_24 = mul_sub(middle_edc_12, middle_edc_23, middle_edc_22);
-    let middle_interosseous_24 = middle_interosseous_14
-        * mul_add(
-            middle_interosseous_7,
-            middle_interosseous_10,
-            middle_interosseous_17 * middle_interosseous_20,
-        ) * middle_interosseous_23;
-    let middle_interosseous_25 = index_interosseous_1 * middle_interosseous_20;
-    let middle_interosseous_26 = neg_mul_add(
-        middle_interosseous_17,
-        middle_interosseous_25,
-        middle_interosseous_24,
-    );
-    let middle_band_28 = middle_band_10
-        * mul_sub(middle_band_4, middle_band_6, middle_band_13 * middle_band_20)
-        * middle_band_27;
-    let middle_band_29 = index_interosseous_1 * middle_band_20;
-    let middle_band_30 = mul_add(middle_band_13, middle_band_29, middle_band_28);
-    matrix[17] = mul_sub(0.5, middle_ab_49, middle_fdp_28) - middle_edc_24
-        - middle_interosseous_26 - middle_band_30;
-    let middle_ab_50 = middle_ab_28 + middle_ab_23;
-    let middle_ab_51 = mul_sub(
-        middle_pip_5,
-        middle_ab_50,
-        mul_add(middle_ab_7, middle_ab_39, middle_ab_47),
-    ) + mul_add(0.0446, middle_pip_4, middle_ab_21);
-    let middle_ab_52 = middle_ab_16 + middle_ab_4;
-    let middle_ab_53 = mul_sub(
-        middle_pip_5,
-        middle_ab_52,
-        mul_add(middle_ab_12, middle_ab_34, middle_ab_45),
-    ) - middle_ab_31;
-    let middle_ab_54 = 0.5
-        * neg_mul_add(sin_middle_mcp, middle_ab_51, cos_middle_mcp * middle_ab_53);
-    let middle_fdp_29 = index_fdp_2 * middle_fdp_21;
-    let middle_edc_25 = index_edc_1 * middle_edc_19;
-    let middle_band_31 = index_interosseous_1 * middle_band_22;
-    matrix[18] = mul_add(
-        middle_band_13,
-        middle_band_31,
-        neg_mul_add(
-            middle_edc_12,
-            middle_edc_25,
-            mul_sub(middle_fdp_12, middle_fdp_29, middle_ab_54),
-        ),
-    );
-    let middle_ab_55 = mul_sub(
-        middle_dip_2,
-        middle_ab_23,
-        mul_add(middle_ab_7, middle_ab_25, middle_ab_13),
-    ) + mul_add(middle_ab_2, middle_pip_3, middle_ab_14);
-    let middle_ab_56 = mul_sub(
-        middle_dip_2,
-        middle_ab_4,
-        mul_add(middle_ab_12, middle_ab_6, middle_ab_26),
-    ) - mul_add(middle_ab_8, middle_pip_3, middle_ab_27);
-    let middle_ab_57 = 0.5
-        * neg_mul_add(sin_middle_mcp, middle_ab_55, cos_middle_mcp * middle_ab_56);
-    let middle_fdp_30 = index_fdp_2 * middle_fdp_23;
-    let middle_band_32 = index_interosseous_1 * middle_band_24;
-    matrix[19] = mul_add(
-        middle_band_13,
-        middle_band_32,
-        mul_sub(middle_fdp_12, middle_fdp_30, middle_ab_57),
-    );
-    let middle_mcp_11 = middle_band_30
-        + (middle_interosseous_26
-            + (middle_edc_24 + mul_add(0.5, middle_ab_49, middle_fdp_28)));
-    matrix[20] = -middle_mcp_11;
-    let middle_fdp_31 = neg_mul_add(
-        middle_fdp_19,
-        middle_fdp_19,
-        mul_add(middle_fdp_6, middle_fdp_6, middle_fdp_1 * middle_fdp_1),
-    );
-    let middle_fdp_32 = mul_add(
-        middle_fdp_9,
-        middle_fdp_31,
-        neg_mul_add(middle_fdp_1, middle_fdp_10, middle_fdp_6 * middle_fdp_18),
-    );
-    let middle_mcp_12 = neg_mul_add(
-        middle_ab_7,
-        index_fdp_1 * middle_ab_48,
-        middle_ab_12 * (index_fdp_1 * middle_ab_46),
-    );
-    let middle_mcp_13 = middle_mcp_8 + middle_mcp_1;
-    let middle_mcp_14 = neg_mul_add(
-        middle_ab_37,
-        8.530529217154657e-6 + middle_mcp_13,
-        middle_mcp_12,
-    ) - mul_add(middle_fdp_19, middle_fdp_27, middle_fdp_32 * middle_fdp_25);
-    let middle_edc_26 = neg_mul_add(
-        middle_edc_17,
-        middle_edc_17,
-        mul_add(middle_edc_6, middle_edc_6, middle_edc_1 * middle_edc_1),
-    );
-    let middle_edc_27 = mul_sub(
-        middle_edc_9,
-        middle_edc_26,
-        mul_add(middle_edc_1, middle_edc_10, middle_edc_6 * middle_edc_16),
-    );
-    let middle_interosseous_27 = neg_mul_add(
-        middle_interosseous_20,
-        middle_interosseous_20,
+    let middle_ab_30 = mul_add(
+        0.5,
         mul_add(
-            middle_interosseous_10,
-            middle_interosseous_10,
-            middle_interosseous_4 * middle_interosseous_4,
+            middle_mcp_29,
+            middle_ab_26,
+            mul_add(middle_mcp_27, middle_mcp_8, middle_ab_29),
         ),
+        middle_ab_28,
     );
-    let middle_interosseous_28 = mul_add(
-        middle_interosseous_14,
-        middle_interosseous_27,
+    let middle_ab_31 = mul_add(
+        middle_mcp_42,
+        middle_ab_26,
+        mul_add(middle_mcp_40, middle_ab_10, middle_mcp_9 * middle_mcp_39),
+    );
+    let middle_ab_32 = mul_add(0.5, middle_ab_31, middle_ab_30);
+    matrix[17] = middle_ab_32 - middle_ab_25;
+    let middle_edc_22 = index_edc_1 * middle_edc_16;
+    let middle_fdp_26 = index_fdp_2 * middle_fdp_18;
+    let middle_band_28 = index_interosseous_1 * middle_band_19;
+    let middle_ab_33 = mul_add(
+        middle_band_11,
+        middle_band_28,
+        mul_sub(middle_fdp_15, middle_fdp_26, middle_edc_10 * middle_edc_22),
+    );
+    matrix[18] = middle_ab_30 + middle_ab_33;
+    let middle_band_29 = index_interosseous_1 * middle_band_21;
+    let middle_fdp_27 = index_fdp_2 * middle_fdp_20;
+    let middle_ab_34 = mul_add(
+        middle_fdp_15,
+        middle_fdp_27,
+        middle_band_11 * middle_band_29,
+    );
+    matrix[19] = middle_ab_28 + middle_ab_34;
+    matrix[20] = -(middle_ab_32 + middle_ab_25);
+    let middle_mcp_44 = mul_add(
+        middle_mcp_12,
+        middle_mcp_3,
+        middle_mcp_14 * middle_mcp_5,
+    );
+    let middle_mcp_45 = 2.0 * middle_mcp_30;
+    let middle_mcp_46 = mul_add(
+        middle_mcp_10,
+        middle_mcp_20,
+        middle_mcp_7 * middle_mcp_18,
+    );
+    let middle_mcp_47 = mul_add(
+        middle_ab_8,
+        middle_mcp_45,
+        mul_add(middle_mcp_32, middle_mcp_23, middle_mcp_44),
+    ) + mul_add(middle_mcp_27, middle_mcp_38, middle_mcp_46);
+    let middle_mcp_48 = mul_sub(
+        index_fdp_1,
+        mul_add(middle_mcp_24, middle_mcp_31, middle_mcp_44),
+        middle_ab_20 * mul_add(middle_mcp_6, middle_mcp_4, middle_ab_6),
+    );
+    let middle_mcp_49 = mul_add(
+        middle_mcp_33,
+        middle_mcp_23,
+        mul_add(middle_mcp_13, middle_mcp_3, middle_mcp_15 * middle_mcp_5),
+    );
+    let middle_mcp_50 = mul_add(
+        index_fdp_1,
+        mul_add(middle_ab_17, middle_mcp_45, middle_mcp_49),
+        3.33441155323453e-7 * middle_ab_20,
+    );
+    let middle_mcp_51 = middle_mcp_48 - middle_mcp_50;
+    let middle_mcp_52 = middle_mcp_48
+        - mul_add(index_fdp_1, middle_mcp_47, 3.472167765770182e-6 * middle_ab_20)
+        + middle_mcp_51;
+    let middle_mcp_53 = mul_add(
+        middle_mcp_40,
+        middle_mcp_31,
+        mul_add(middle_mcp_10, middle_mcp_5, middle_mcp_7 * middle_mcp_3),
+    );
+    let middle_mcp_54 = mul_sub(
+        index_fdp_1,
+        middle_mcp_53,
+        middle_ab_20 * mul_add(middle_mcp_9, middle_mcp_4, middle_ab_11 * middle_ab_4),
+    );
+    let middle_mcp_55 = mul_sub(
+        index_fdp_1,
+        mul_add(middle_mcp_40, middle_mcp_26, middle_mcp_46),
+        middle_ab_20 * mul_add(middle_mcp_9, middle_mcp_8, middle_ab_11 * middle_ab_9),
+    );
+    let middle_mcp_56 = middle_mcp_55 + middle_mcp_54;
+    let middle_mcp_57 = middle_mcp_56 + middle_mcp_52;
+    let middle_mcp_58 = mul_add(
+        middle_mcp_27,
+        middle_mcp_39,
+        mul_add(middle_mcp_7, middle_mcp_19, middle_mcp_10 * middle_mcp_21),
+    );
+    let middle_mcp_59 = mul_add(
+        index_fdp_1,
+        mul_add(middle_ab_13, middle_mcp_45, middle_mcp_58),
+        2.5961728691733047e-5 * middle_ab_20,
+    );
+    let middle_fdp_28 = mul_add(
+        middle_fdp_16,
+        middle_fdp_25,
+        mul_sub(0.011, middle_fdp_5, middle_fdp_24) * middle_fdp_22,
+    );
+    let middle_edc_23 = mul_add(
+        middle_edc_14,
+        middle_edc_21,
+        mul_sub(0.011, middle_edc_5, middle_edc_20) * middle_edc_18,
+    );
+    let middle_interosseous_23 = mul_add(
+        middle_interosseous_17,
+        middle_interosseous_22,
+        mul_add(0.001, middle_interosseous_10, middle_interosseous_20)
+            * middle_interosseous_18,
+    );
+    let middle_mcp_60 = middle_mcp_56 - middle_mcp_59 + middle_mcp_57 - middle_fdp_28
+        - middle_edc_23 - middle_interosseous_23;
+    let middle_band_30 = mul_add(
+        middle_band_17,
+        middle_band_27,
+        mul_sub(0.005, middle_band_6, middle_band_25) * middle_band_23,
+    );
+    matrix[21] = middle_mcp_60 - middle_band_30;
+    let middle_mcp_61 = mul_add(
+        middle_band_17,
+        middle_band_28,
         neg_mul_add(
-            middle_interosseous_4,
-            middle_interosseous_15,
-            middle_interosseous_10 * middle_interosseous_19,
+            middle_edc_14,
+            middle_edc_22,
+            neg_mul_add(middle_fdp_16, middle_fdp_26, middle_mcp_57),
         ),
     );
-    let middle_mcp_15 = middle_mcp_14
-        - mul_add(middle_edc_17, middle_edc_23, middle_edc_27 * middle_edc_21)
-        - mul_add(
-            middle_interosseous_20,
-            middle_interosseous_25,
-            middle_interosseous_28 * middle_interosseous_23,
-        );
-    let middle_band_33 = neg_mul_add(
-        middle_band_20,
-        middle_band_20,
-        mul_add(middle_band_6, middle_band_6, middle_band_1 * middle_band_1),
+    let middle_mcp_62 = neg_mul_add(
+        middle_mcp_9,
+        middle_ab_4,
+        middle_ab_11 * middle_mcp_4,
+    ) * (0.5 * (v_middle_mcp + middle_mcp_2));
+    let middle_mcp_63 = mul_add(
+        neg_mul_add(middle_mcp_9, middle_ab_9, middle_ab_11 * middle_mcp_8),
+        0.5 * (v_middle_mcp + middle_mcp_1),
+        middle_mcp_62,
     );
+    matrix[22] = middle_mcp_63 + middle_mcp_61;
+    let middle_mcp_64 = mul_add(
+        middle_band_17,
+        middle_band_29,
+        neg_mul_add(middle_fdp_16, middle_fdp_27, middle_mcp_54 + middle_mcp_51),
+    );
+    let middle_mcp_65 = neg_mul_add(
+        middle_mcp_6,
+        middle_ab_4,
+        middle_ab_5 * middle_mcp_4,
+    ) * (0.5 * (middle_mcp_1 + middle_mcp_2));
+    let middle_mcp_66 = middle_mcp_62 + middle_mcp_65;
+    matrix[23] = middle_mcp_66 + middle_mcp_64;
+    matrix[24] = middle_ab_33 - middle_ab_30;
+    matrix[25] = middle_mcp_61 - middle_mcp_63;
+    let middle_fdp_29 = middle_fdp_17 * middle_fdp_21;
+    let middle_fdp_30 = mul_add(
+        middle_fdp_18,
+        middle_fdp_18 * (index_fdp_2 - middle_fdp_29),
+        0.5 * middle_fdp_9 * middle_fdp_29,
+    );
+    let middle_edc_24 = middle_edc_15 * middle_edc_17;
+    let middle_edc_25 = mul_add(
+        middle_edc_16,
+        middle_edc_16 * (index_edc_1 - middle_edc_24),
+        0.5 * middle_edc_11 * middle_edc_24,
+    );
+    let middle_band_31 = middle_band_18 * middle_band_22;
+    let middle_band_32 = mul_add(
+        middle_band_19,
+        middle_band_19 * (index_interosseous_1 - middle_band_31),
+        0.5 * middle_band_12 * middle_band_31,
+    );
+    matrix[26] = middle_mcp_52 - middle_fdp_30 - middle_edc_25 - middle_band_32;
+    let middle_pip_1 = neg_mul_add(
+        middle_band_19,
+        middle_band_29,
+        neg_mul_add(middle_fdp_18, middle_fdp_27, middle_mcp_51),
+    );
+    matrix[27] = middle_mcp_65 + middle_pip_1;
+    matrix[28] = middle_ab_34 - middle_ab_28;
+    matrix[29] = middle_mcp_64 - middle_mcp_66;
+    matrix[30] = middle_pip_1 - middle_mcp_65;
+    let middle_fdp_31 = middle_fdp_19 * middle_fdp_21;
+    let middle_fdp_32 = mul_add(
+        middle_fdp_20,
+        middle_fdp_20 * (index_fdp_2 - middle_fdp_31),
+        0.5 * middle_fdp_11 * middle_fdp_31,
+    );
+    let middle_band_33 = middle_band_20 * middle_band_22;
     let middle_band_34 = mul_add(
-        middle_band_10,
-        middle_band_33,
-        neg_mul_add(middle_band_1, middle_band_11, middle_band_6 * middle_band_19),
+        middle_band_21,
+        middle_band_21 * (index_interosseous_1 - middle_band_33),
+        0.5 * middle_band_14 * middle_band_33,
     );
-    matrix[21] = middle_mcp_15
-        - mul_add(middle_band_20, middle_band_29, middle_band_34 * middle_band_27);
-    let middle_mcp_16 = mul_add(
-        middle_ab_7,
-        index_fdp_1 * middle_ab_51,
-        middle_ab_12 * (index_fdp_1 * middle_ab_53),
-    );
-    let middle_mcp_17 = middle_ab_37 * neg_mul_add(0.0446, middle_ab_52, middle_mcp_13);
-    let middle_mcp_18 = middle_mcp_17 + middle_mcp_16;
-    let middle_mcp_19 = neg_mul_add(middle_pip_7, middle_ab_50, 0.0446 * middle_pip_6);
-    let middle_mcp_20 = mul_add(
-        middle_edc_17,
-        middle_edc_25,
-        mul_add(middle_fdp_19, middle_fdp_29, mul_add(0.5, middle_mcp_19, middle_mcp_18)),
-    );
-    matrix[22] = mul_sub(middle_band_20, middle_band_31, middle_mcp_20);
-    let middle_mcp_21 = mul_add(
-        middle_ab_7,
-        index_fdp_1 * middle_ab_55,
-        middle_ab_12 * (index_fdp_1 * middle_ab_56),
-    );
-    let middle_mcp_22 = middle_ab_37
-        * (middle_mcp_1 - mul_add(middle_ab_8, middle_ab_23, middle_ab_2 * middle_ab_4));
-    let middle_mcp_23 = middle_mcp_22 + middle_mcp_21;
-    let middle_mcp_24 = neg_mul_add(
-        middle_dip_3,
-        middle_ab_23,
-        middle_dip_4 * middle_ab_4,
-    ) + mul_sub(middle_ab_2, middle_dip_1, middle_ab_8 * middle_pip_1);
-    matrix[23] = mul_sub(
-        middle_band_20,
-        middle_band_32,
-        mul_add(middle_fdp_19, middle_fdp_30, mul_add(0.5, middle_mcp_24, middle_mcp_23)),
-    );
-    matrix[24] = mul_add(
-        middle_band_13,
-        middle_band_31,
-        neg_mul_add(
-            middle_edc_12,
-            middle_edc_25,
-            mul_add(middle_fdp_12, middle_fdp_29, middle_ab_54),
-        ),
-    );
-    let middle_pip_9 = neg_mul_add(
-        middle_edc_17,
-        middle_edc_25,
-        neg_mul_add(
-            middle_fdp_19,
-            middle_fdp_29,
-            mul_sub(0.5, middle_mcp_19, middle_mcp_18),
-        ),
-    );
-    matrix[25] = mul_add(middle_band_20, middle_band_31, middle_pip_9);
-    let middle_pip_10 = mul_sub(
-        0.00039083406893673523,
-        middle_ab_12,
-        mul_add(middle_ab_7, middle_ab_50, middle_ab_12 * middle_ab_52),
-    );
-    let middle_pip_11 = mul_add(
-        middle_pip_7,
-        index_fdp_1 * mul_add(0.00039083406893673523, v_middle_mcp, middle_pip_2),
-        middle_pip_5 * (index_fdp_1 * middle_pip_10),
-    );
-    let middle_pip_12 = middle_pip_11 - middle_mcp_16
-        - mul_add(
-            0.0446,
-            middle_ab_37 * (0.00039083406893673523 - middle_ab_52),
-            middle_mcp_17,
-        );
-    let middle_fdp_33 = mul_add(
-        middle_fdp_21,
-        middle_fdp_29,
-        middle_fdp_20 * neg_mul_add(middle_fdp_21, middle_fdp_21, middle_fdp_13)
-            * middle_fdp_25,
-    );
-    let middle_edc_28 = mul_add(
-        middle_edc_19,
-        middle_edc_25,
-        middle_edc_18 * neg_mul_add(middle_edc_19, middle_edc_19, middle_edc_13)
-            * middle_edc_21,
-    );
-    let middle_band_35 = mul_add(
-        middle_band_22,
-        middle_band_31,
-        middle_band_21 * neg_mul_add(middle_band_22, middle_band_22, middle_band_14)
-            * middle_band_27,
-    );
-    matrix[26] = middle_pip_12 - middle_fdp_33 - middle_edc_28 - middle_band_35;
-    let middle_pip_13 = mul_sub(
-        0.0029463740860957233,
-        middle_dip_2,
-        mul_add(middle_ab_7, middle_ab_23, middle_ab_12 * middle_ab_4),
-    );
-    let middle_pip_14 = index_fdp_1 * middle_pip_13;
-    let middle_pip_15 = index_fdp_1
-        * mul_add(0.0029463740860957233, middle_dip_3, middle_pip_1);
-    let middle_pip_16 = middle_ab_37
-        * mul_sub(0.0029463740860957233, middle_ab_2, middle_ab_4);
-    let middle_pip_17 = mul_add(
-        middle_pip_7,
-        middle_pip_15,
-        middle_pip_5 * middle_pip_14,
-    ) - middle_mcp_21 - mul_add(0.0446, middle_pip_16, middle_mcp_22);
-    let middle_pip_18 = mul_add(0.0029463740860957233, middle_dip_4, middle_dip_1);
-    let middle_pip_19 = mul_sub(7.748963846431752e-5, sin_middle_pip, middle_ab_23);
-    let middle_pip_20 = neg_mul_add(
-        middle_pip_7,
-        middle_pip_19,
-        neg_mul_add(0.0446, middle_pip_18, middle_mcp_24),
-    );
-    matrix[27] = neg_mul_add(
-        middle_band_22,
-        middle_band_32,
-        neg_mul_add(
-            middle_fdp_21,
-            middle_fdp_30,
-            neg_mul_add(0.5, middle_pip_20, middle_pip_17),
-        ),
-    );
-    matrix[28] = mul_add(
-        middle_band_13,
-        middle_band_32,
-        mul_add(middle_fdp_12, middle_fdp_30, middle_ab_57),
-    );
-    matrix[29] = mul_add(
-        middle_band_20,
-        middle_band_32,
-        neg_mul_add(
-            middle_fdp_19,
-            middle_fdp_30,
-            mul_sub(0.5, middle_mcp_24, middle_mcp_23),
-        ),
-    );
-    matrix[30] = neg_mul_add(
-        middle_band_22,
-        middle_band_32,
-        neg_mul_add(
-            middle_fdp_21,
-            middle_fdp_30,
-            mul_add(0.5, middle_pip_20, middle_pip_17),
-        ),
-    );
-    let middle_dip_7 = mul_add(
-        middle_dip_4,
-        index_fdp_1 * middle_pip_18,
-        mul_add(middle_dip_3, middle_pip_15, middle_dip_2 * middle_pip_14),
-    );
-    let middle_dip_8 = middle_mcp_22
-        + mul_add(
-            middle_ab_8,
-            middle_ab_37 * middle_pip_19,
-            middle_ab_2 * middle_pip_16,
-        );
-    let middle_fdp_34 = mul_add(
-        middle_fdp_23,
-        middle_fdp_30,
-        middle_fdp_22 * neg_mul_add(middle_fdp_23, middle_fdp_23, middle_fdp_15)
-            * middle_fdp_25,
-    );
-    let middle_band_36 = mul_add(
-        middle_band_24,
-        middle_band_32,
-        middle_band_23 * neg_mul_add(middle_band_24, middle_band_24, middle_band_16)
-            * middle_band_27,
-    );
-    matrix[31] = middle_dip_7 - middle_mcp_21 - middle_dip_8 - middle_fdp_34
-        - middle_band_36;
+    matrix[31] = -(middle_band_34 + (middle_fdp_32 + middle_mcp_50));
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -1228,90 +978,73 @@ pub fn evaluate_with_matrix(
 ///
 /// Strands: `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79).
 ///
-/// 91 operations: 15 sums, 21 products, 26 products with sum, 3 sines and cosines.
+/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
 pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     let q_middle_mcp = q[coordinate::MIDDLE_MCP];
     let q_middle_pip = q[coordinate::MIDDLE_PIP];
     let q_middle_dip = q[coordinate::MIDDLE_DIP];
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_ab_1 = mul_sub(
-        cos_middle_pip,
-        cos_middle_dip,
-        sin_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_2 = mul_add(0.0263, cos_middle_pip, 0.0446);
-    let middle_ab_3 = mul_add(0.0087, middle_ab_1, middle_ab_2);
-    let middle_ab_4 = 0.0029463740860957233 * middle_ab_3;
-    let middle_ab_5 = mul_add(
-        sin_middle_pip,
-        cos_middle_dip,
-        cos_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_6 = neg_mul_add(
-        middle_ab_5,
-        3.8243935637522495e-8 * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, 1.1043010074686771e-7),
-    );
-    let middle_ab_7 = mul_add(0.01315, cos_middle_pip, 0.0446);
-    let middle_ab_8 = 0.005816721629974574 * middle_ab_7;
-    let middle_ab_9 = neg_mul_add(
-        sin_middle_pip,
-        2.422131359401662e-7 * sin_middle_pip,
-        mul_add(middle_ab_7, middle_ab_8, 4.283482280993526e-7),
-    );
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_ab_10 = 0.0263 * sin_middle_pip;
-    let middle_ab_11 = mul_add(0.0087, middle_ab_5, middle_ab_10);
-    let middle_ab_12 = 3.8243935637522495e-8 * middle_ab_1;
-    let middle_ab_13 = 0.01315 * sin_middle_pip;
-    let middle_ab_14 = 2.422131359401662e-7 * cos_middle_pip;
-    let middle_ab_15 = mul_add(middle_ab_13, middle_ab_8, sin_middle_pip * middle_ab_14)
-        + mul_add(middle_ab_11, middle_ab_4, middle_ab_5 * middle_ab_12);
-    let middle_ab_16 = neg_mul_add(
+    let middle_ab_1 = mul_add(
         sin_middle_mcp,
-        middle_ab_15,
-        cos_middle_mcp * (8.530529217154657e-6 + (middle_ab_9 + middle_ab_6)),
-    );
-    let middle_ab_17 = 0.0029463740860957233 * middle_ab_11;
-    let middle_ab_18 = middle_ab_11 * middle_ab_17;
-    let middle_ab_19 = middle_ab_13 * (7.648988943416565e-5 * sin_middle_pip);
-    let middle_ab_20 = neg_mul_add(
         cos_middle_pip,
-        middle_ab_14,
-        4.283482280993526e-7 + middle_ab_19,
-    ) + neg_mul_add(middle_ab_1, middle_ab_12, 1.1043010074686771e-7 + middle_ab_18);
-    matrix[16] = neg_mul_add(
-        sin_middle_mcp,
+        cos_middle_mcp * sin_middle_pip,
+    );
+    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
+    let middle_ab_2 = mul_sub(
+        cos_middle_mcp,
+        cos_middle_pip,
+        sin_middle_mcp * sin_middle_pip,
+    );
+    let middle_ab_3 = 2.5633454549032793e-5
+        * mul_sub(cos_middle_dip, middle_ab_2, sin_middle_dip * middle_ab_1);
+    let middle_ab_4 = 0.0263 * middle_ab_2 * middle_ab_3;
+    let middle_ab_5 = mul_add(
+        2.0,
+        middle_ab_4,
+        neg_mul_add(
+            middle_ab_1,
+            3.2860326736109956e-6 * middle_ab_1,
+            1.6430163368054978e-6,
+        ),
+    );
+    let middle_ab_6 = 0.00015397952789848317 * middle_ab_2;
+    let middle_ab_7 = 0.0446 * cos_middle_mcp;
+    let middle_ab_8 = mul_add(
+        2.0,
+        middle_ab_7 * (middle_ab_6 + middle_ab_3),
         neg_mul_add(
             sin_middle_mcp,
-            5.056120999869704e-7 + middle_ab_20,
-            cos_middle_mcp * middle_ab_15,
+            2.5456116591746076e-5 * sin_middle_mcp,
+            1.2728058295873038e-5,
         ),
-        cos_middle_mcp * middle_ab_16,
     );
-    let middle_mcp_1 = 1.1043010074686771e-7
-        + mul_add(middle_ab_3, middle_ab_4, middle_ab_18);
-    let middle_mcp_2 = 4.283482280993526e-7
-        + mul_add(middle_ab_7, middle_ab_8, middle_ab_19) + middle_mcp_1;
-    matrix[21] = 8.530529217154657e-6 + middle_mcp_2;
-    let middle_mcp_3 = middle_ab_8 + middle_ab_4;
-    let middle_mcp_4 = neg_mul_add(0.0446, middle_mcp_3, middle_mcp_2);
-    matrix[22] = middle_mcp_4;
-    let middle_mcp_5 = middle_mcp_1
-        - mul_add(middle_ab_10, middle_ab_17, middle_ab_2 * middle_ab_4);
-    matrix[23] = middle_mcp_5;
-    matrix[25] = middle_mcp_4;
-    matrix[26] = mul_add(0.0446, 0.00039083406893673523 - middle_mcp_3, middle_mcp_4);
-    let middle_pip_1 = mul_sub(0.0029463740860957233, middle_ab_2, middle_ab_4);
-    let middle_pip_2 = mul_add(0.0446, middle_pip_1, middle_mcp_5);
-    matrix[27] = middle_pip_2;
-    matrix[29] = middle_mcp_5;
-    matrix[30] = middle_pip_2;
-    let middle_dip_1 = mul_add(
-        middle_ab_10,
-        mul_sub(7.748963846431752e-5, sin_middle_pip, middle_ab_17),
-        middle_ab_2 * middle_pip_1,
-    );
-    matrix[31] = middle_mcp_5 + middle_dip_1;
+    let middle_ab_9 = mul_add(cos_middle_dip, middle_ab_1, sin_middle_dip * middle_ab_2);
+    matrix[16] = neg_mul_add(
+        middle_ab_9,
+        2.612549902141078e-7 * middle_ab_9,
+        1.306274951070539e-7,
+    ) + (1.5265635485041092e-5 + middle_ab_8 + middle_ab_5);
+    let middle_mcp_1 = 2.5633454549032793e-5 * middle_ab_9;
+    let middle_mcp_2 = mul_add(0.0263 * middle_ab_1, middle_mcp_1, middle_ab_4);
+    let middle_mcp_3 = 3.33441155323453e-7 + middle_mcp_2;
+    let middle_mcp_4 = 3.472167765770182e-6 + middle_mcp_2 + middle_mcp_3;
+    let middle_mcp_5 = 0.0446 * sin_middle_mcp;
+    let middle_mcp_6 = mul_add(middle_mcp_5, middle_mcp_1, middle_ab_7 * middle_ab_3);
+    let middle_mcp_7 = mul_add(
+        middle_mcp_5,
+        0.00015397952789848317 * middle_ab_1,
+        middle_ab_7 * middle_ab_6,
+    ) + middle_mcp_6;
+    let middle_mcp_8 = middle_mcp_7 + middle_mcp_4;
+    matrix[21] = 2.5961728691733047e-5 + middle_mcp_7 + middle_mcp_8;
+    matrix[22] = middle_mcp_8;
+    let middle_mcp_9 = middle_mcp_6 + middle_mcp_3;
+    matrix[23] = middle_mcp_9;
+    matrix[25] = middle_mcp_8;
+    matrix[26] = middle_mcp_4;
+    matrix[27] = middle_mcp_3;
+    matrix[29] = middle_mcp_9;
+    matrix[30] = middle_mcp_3;
+    matrix[31] = 3.33441155323453e-7;
 }

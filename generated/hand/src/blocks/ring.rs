@@ -15,7 +15,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 ///
 /// Strands: `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79).
 ///
-/// 360 operations: 37 sums, 95 products, 103 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
+/// 325 operations: 44 sums, 93 products, 83 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -39,91 +39,68 @@ pub fn evaluate(
     let rest_ring_edc = rest[strand::RING_EDC];
     let rest_ring_interosseous = rest[strand::RING_INTEROSSEOUS];
     let rest_ring_band = rest[strand::RING_BAND];
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(0.0257, cos_ring_pip, 0.0414);
-    let ring_ab_3 = mul_add(0.00865, ring_ab_1, ring_ab_2);
-    let ring_ab_4 = 0.0029294409016928746 * ring_ab_3;
-    let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
-    let ring_ab_6 = neg_mul_add(
-        ring_ab_5,
-        3.717704624323398e-8 * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, 1.089483483347094e-7),
-    );
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_ab_7 = v_ring_ab * cos_ring_mcp;
-    let ring_ab_8 = 0.0257 * sin_ring_pip;
-    let ring_ab_9 = mul_add(0.00865, ring_ab_5, ring_ab_8);
-    let ring_ab_10 = 3.717704624323398e-8 * ring_ab_1;
-    let ring_ab_11 = mul_add(ring_ab_9, ring_ab_4, ring_ab_5 * ring_ab_10);
-    let ring_ab_12 = v_ring_ab * sin_ring_mcp;
-    let ring_ab_13 = neg_mul_add(ring_ab_12, ring_ab_11, ring_ab_7 * ring_ab_6);
-    let ring_ab_14 = mul_add(0.01285, cos_ring_pip, 0.0414);
-    let ring_ab_15 = 0.005684020756286941 * ring_ab_14;
-    let ring_ab_16 = neg_mul_add(
-        sin_ring_pip,
-        2.2190890700940578e-7 * sin_ring_pip,
-        mul_add(ring_ab_14, ring_ab_15, 4.037975712105879e-7),
+    let ring_ab_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
+    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
+    let ring_ab_2 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
+    let ring_ab_3 = mul_sub(cos_ring_dip, ring_ab_2, sin_ring_dip * ring_ab_1);
+    let ring_ab_4 = 2.5339663799643364e-5 * ring_ab_3;
+    let ring_ab_5 = 0.0257 * ring_ab_2;
+    let ring_ab_6 = 3.095335045498523e-6 * ring_ab_1;
+    let ring_ab_7 = mul_add(
+        2.0,
+        ring_ab_5 * ring_ab_4,
+        neg_mul_add(ring_ab_1, ring_ab_6, 1.5476675227492616e-6),
     );
-    let ring_ab_17 = 0.01285 * sin_ring_pip;
-    let ring_ab_18 = 2.2190890700940578e-7 * cos_ring_pip;
-    let ring_ab_19 = mul_add(ring_ab_17, ring_ab_15, sin_ring_pip * ring_ab_18);
-    let ring_ab_20 = neg_mul_add(ring_ab_12, ring_ab_19, ring_ab_7 * ring_ab_16)
-        + ring_ab_13;
-    let ring_ab_21 = mul_add(6.855419880173114e-6, ring_ab_7, ring_ab_20);
-    let ring_ab_22 = 0.0029294409016928746 * ring_ab_9;
-    let ring_ab_23 = ring_ab_9 * ring_ab_22;
-    let ring_ab_24 = neg_mul_add(
-        ring_ab_12,
-        neg_mul_add(ring_ab_1, ring_ab_10, 1.089483483347094e-7 + ring_ab_23),
-        ring_ab_7 * ring_ab_11,
+    let ring_ab_8 = 0.00014832629789179408 * ring_ab_2;
+    let ring_ab_9 = 0.0414 * cos_ring_mcp;
+    let ring_ab_10 = 2.1149213624841585e-5 * sin_ring_mcp;
+    let ring_ab_11 = mul_add(
+        2.0,
+        ring_ab_9 * (ring_ab_8 + ring_ab_4),
+        neg_mul_add(sin_ring_mcp, ring_ab_10, 1.0574606812420793e-5),
     );
-    let ring_ab_25 = 7.303966671828719e-5 * sin_ring_pip;
-    let ring_ab_26 = ring_ab_17 * ring_ab_25;
-    let ring_ab_27 = neg_mul_add(
-        ring_ab_12,
-        neg_mul_add(cos_ring_pip, ring_ab_18, 4.037975712105879e-7 + ring_ab_26),
-        ring_ab_7 * ring_ab_19,
-    );
-    let ring_ab_28 = ring_ab_27 + ring_ab_24;
-    let ring_ab_29 = neg_mul_add(4.6933499864261383e-7, ring_ab_12, ring_ab_28);
-    momentum[coordinate::RING_AB] = neg_mul_add(
-        sin_ring_mcp,
-        ring_ab_29,
-        cos_ring_mcp * ring_ab_21,
-    );
+    let ring_ab_12 = mul_add(cos_ring_dip, ring_ab_1, sin_ring_dip * ring_ab_2);
+    let ring_ab_13 = 2.5636513811014907e-7 * ring_ab_12;
+    let ring_ab_14 = neg_mul_add(ring_ab_12, ring_ab_13, 1.2818256905507453e-7)
+        + (1.29734518691604e-5 + ring_ab_11 + ring_ab_7);
+    momentum[coordinate::RING_AB] = v_ring_ab * ring_ab_14;
     let ring_mcp_1 = v_ring_mcp + v_ring_pip;
     let ring_mcp_2 = v_ring_dip + ring_mcp_1;
-    let ring_mcp_3 = 0.0414 * v_ring_pip;
-    let ring_mcp_4 = mul_add(v_ring_dip, ring_ab_2, ring_mcp_3);
-    let ring_mcp_5 = v_ring_dip * ring_ab_8;
-    let ring_mcp_6 = mul_sub(
+    let ring_mcp_3 = ring_mcp_2 * ring_ab_4;
+    let ring_mcp_4 = 2.5339663799643364e-5 * ring_ab_12;
+    let ring_mcp_5 = ring_mcp_2 * ring_mcp_4;
+    let ring_mcp_6 = 0.0257 * ring_ab_1;
+    let ring_mcp_7 = v_ring_mcp * ring_ab_9;
+    let ring_mcp_8 = 0.00014832629789179408 * ring_ab_1;
+    let ring_mcp_9 = 0.0414 * sin_ring_mcp;
+    let ring_mcp_10 = v_ring_mcp * ring_mcp_9;
+    let ring_mcp_11 = mul_add(ring_mcp_6, ring_mcp_5, ring_ab_5 * ring_mcp_3)
+        + mul_add(ring_mcp_10, ring_mcp_8, ring_mcp_7 * ring_ab_8);
+    let ring_mcp_12 = ring_mcp_1 * ring_ab_5;
+    let ring_mcp_13 = ring_mcp_7 + ring_mcp_12;
+    let ring_mcp_14 = ring_mcp_1 * ring_mcp_6;
+    let ring_mcp_15 = ring_mcp_10 + ring_mcp_14;
+    let ring_mcp_16 = mul_add(
+        3.2813644020162447e-7,
         ring_mcp_2,
-        1.089483483347094e-7 + mul_add(ring_ab_3, ring_ab_4, ring_ab_23),
-        mul_add(ring_mcp_5, ring_ab_22, ring_mcp_4 * ring_ab_4),
+        mul_add(ring_mcp_15, ring_mcp_4, ring_mcp_13 * ring_ab_4),
     );
-    let ring_mcp_7 = mul_sub(
-        ring_mcp_1,
-        4.037975712105879e-7 + mul_add(ring_ab_14, ring_ab_15, ring_ab_26),
-        ring_mcp_3 * ring_ab_15,
-    );
-    let ring_mcp_8 = ring_mcp_7 + ring_mcp_6;
-    momentum[coordinate::RING_MCP] = mul_add(
-        6.855419880173114e-6,
+    let ring_mcp_17 = ring_mcp_16
+        + mul_add(3.277223709699705e-6, ring_mcp_1, ring_mcp_11);
+    let ring_mcp_18 = ring_mcp_1 * ring_ab_8;
+    let ring_mcp_19 = ring_mcp_18 + ring_mcp_3;
+    let ring_mcp_20 = ring_mcp_1 * ring_mcp_8;
+    let ring_mcp_21 = ring_mcp_20 + ring_mcp_5;
+    let ring_mcp_22 = mul_add(
+        2.16185486234842e-5,
         v_ring_mcp,
-        ring_mcp_8,
+        mul_add(ring_mcp_9, ring_mcp_21, ring_ab_9 * ring_mcp_19),
     );
-    let ring_pip_1 = mul_sub(0.0029294409016928746, ring_mcp_4, ring_mcp_2 * ring_ab_4);
-    momentum[coordinate::RING_PIP] = mul_add(
-        0.0414,
-        mul_sub(0.00023531845931027933, v_ring_pip, ring_mcp_1 * ring_ab_15)
-            + ring_pip_1,
-        ring_mcp_8,
-    );
-    let ring_dip_1 = mul_sub(0.0029294409016928746, ring_mcp_5, ring_mcp_2 * ring_ab_22);
-    momentum[coordinate::RING_DIP] = ring_mcp_6
-        + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
+    momentum[coordinate::RING_MCP] = ring_mcp_17 + ring_mcp_22;
+    momentum[coordinate::RING_PIP] = ring_mcp_17;
+    momentum[coordinate::RING_DIP] = ring_mcp_16;
     let ring_fdp_1 = mul_sub(0.012, cos_ring_mcp, 0.01 * sin_ring_mcp);
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_fdp_2 = mul_add(
@@ -146,21 +123,16 @@ pub fn evaluate(
     );
     let ring_fdp_8 = sqrt(ring_fdp_7);
     let ring_fdp_9 = 1.0 / ring_fdp_8;
-    let ring_fdp_10 = ring_fdp_3 * ring_fdp_9;
-    let ring_fdp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(4.673399999999999e-5, cos_ring_pip, 0.000185146 * sin_ring_pip),
-        0.00038251043599999996,
+    let ring_fdp_10 = sqrt(
+        0.00038251043599999996
+            - neg_mul_add(9.346799999999998e-5, cos_ring_pip, 0.000370292 * sin_ring_pip),
     );
-    let ring_fdp_12 = sqrt(ring_fdp_11);
-    let ring_fdp_13 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.571779999999996e-6, cos_ring_dip, 8.5561e-5 * sin_ring_dip),
-        0.00017344544100000002,
+    let ring_fdp_11 = sqrt(
+        0.00017344544100000002
+            - neg_mul_add(3.143559999999992e-6, cos_ring_dip, 0.000171122 * sin_ring_dip),
     );
-    let ring_fdp_14 = sqrt(ring_fdp_13);
-    let ring_fdp_15 = k_flexor
-        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_12 + ring_fdp_14 - rest_ring_fdp);
+    let ring_fdp_12 = k_flexor
+        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_10 + ring_fdp_11 - rest_ring_fdp);
     let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
     let ring_edc_2 = mul_add(
         0.003000000000000002,
@@ -182,28 +154,22 @@ pub fn evaluate(
     );
     let ring_edc_8 = sqrt(ring_edc_7);
     let ring_edc_9 = 1.0 / ring_edc_8;
-    let ring_edc_10 = ring_edc_3 * ring_edc_9;
-    let ring_edc_11 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_ring_pip,
-            3.6000000000000014e-5 * sin_ring_pip,
-        ),
-        0.00016999999999999999,
+    let ring_edc_10 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_ring_pip,
+                7.200000000000003e-5 * sin_ring_pip,
+            ),
     );
-    let ring_edc_12 = sqrt(ring_edc_11);
-    let ring_edc_13 = k_extensor
-        * (0.14143565528020308 + ring_edc_8 + ring_edc_12 - rest_ring_edc);
-    let ring_edc_14 = neg_mul_add(
-        ring_edc_4,
-        ring_edc_10,
-        ring_edc_2 * (ring_edc_4 * ring_edc_9),
-    ) * ring_edc_13;
-    let ring_ab_30 = mul_add(
-        neg_mul_add(ring_fdp_4, ring_fdp_10, ring_fdp_2 * (ring_fdp_4 * ring_fdp_9)),
-        ring_fdp_15,
-        ring_edc_14,
+    let ring_edc_11 = k_extensor
+        * (0.14143565528020308 + ring_edc_8 + ring_edc_10 - rest_ring_edc);
+    let ring_edc_12 = ring_edc_9
+        * mul_sub(ring_edc_2, ring_edc_4, ring_edc_4 * ring_edc_3) * ring_edc_11;
+    let ring_ab_15 = mul_add(
+        ring_fdp_9 * mul_sub(ring_fdp_2, ring_fdp_4, ring_fdp_4 * ring_fdp_3),
+        ring_fdp_12,
+        ring_edc_12,
     );
     let ring_interosseous_1 = 0.008 * cos_ring_mcp;
     let ring_interosseous_2 = neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
@@ -233,17 +199,17 @@ pub fn evaluate(
     );
     let ring_interosseous_11 = sqrt(ring_interosseous_10);
     let ring_interosseous_12 = 1.0 / ring_interosseous_11;
-    let ring_interosseous_13 = ring_interosseous_4 * ring_interosseous_12;
-    let ring_interosseous_14 = k_intrinsic
+    let ring_interosseous_13 = k_intrinsic
         * (0.03514256678161116 + ring_interosseous_11 - rest_ring_interosseous);
-    let ring_ab_31 = mul_sub(
-        mul_add(
-            ring_interosseous_5,
-            ring_interosseous_13,
-            ring_interosseous_3 * (ring_interosseous_6 * ring_interosseous_12),
-        ),
-        ring_interosseous_14,
-        ring_ab_30,
+    let ring_ab_16 = mul_sub(
+        ring_interosseous_12
+            * mul_add(
+                ring_interosseous_3,
+                ring_interosseous_6,
+                ring_interosseous_5 * ring_interosseous_4,
+            ),
+        ring_interosseous_13,
+        ring_ab_15,
     );
     let ring_band_1 = neg_mul_add(
         0.007999999999999998,
@@ -267,117 +233,119 @@ pub fn evaluate(
     );
     let ring_band_9 = sqrt(ring_band_8);
     let ring_band_10 = 1.0 / ring_band_9;
-    let ring_band_11 = ring_band_3 * ring_band_10;
-    let ring_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_ring_pip,
-            3.600000000000002e-5 * sin_ring_pip,
-        ),
-        9.000000000000003e-5,
+    let ring_band_11 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_ring_pip,
+                7.200000000000004e-5 * sin_ring_pip,
+            ),
     );
-    let ring_band_13 = sqrt(ring_band_12);
-    let ring_band_14 = neg_mul_add(
-        2.0,
-        mul_sub(
-            3.8249999999999995e-5,
-            cos_ring_dip,
-            2.600000000000001e-5 * sin_ring_dip,
-        ),
-        9.65e-5,
+    let ring_band_12 = sqrt(
+        9.65e-5
+            - mul_sub(
+                7.649999999999999e-5,
+                cos_ring_dip,
+                5.200000000000002e-5 * sin_ring_dip,
+            ),
     );
-    let ring_band_15 = sqrt(ring_band_14);
-    let ring_band_16 = k_intrinsic
-        * (0.08891202891001955 + ring_band_9 + ring_band_13 + ring_band_15
+    let ring_band_13 = k_intrinsic
+        * (0.08891202891001955 + ring_band_9 + ring_band_11 + ring_band_12
             - rest_ring_band);
     force[coordinate::RING_AB] = neg_mul_add(
-        neg_mul_add(
-            ring_band_4,
-            ring_band_11,
-            ring_band_1 * (ring_band_5 * ring_band_10),
-        ),
-        ring_band_16,
-        ring_ab_31,
+        ring_band_10 * mul_sub(ring_band_1, ring_band_5, ring_band_4 * ring_band_3),
+        ring_band_13,
+        ring_ab_16,
     );
-    let ring_mcp_9 = mul_sub(
-        mul_add(ring_fdp_5, ring_fdp_10, ring_fdp_1 * (ring_fdp_6 * ring_fdp_9)),
-        ring_fdp_15,
-        mul_add(ring_ab_7, ring_ab_29, ring_ab_12 * ring_ab_21),
+    let ring_mcp_23 = v_ring_ab * ring_ab_4;
+    let ring_mcp_24 = neg_mul_add(
+        v_ring_ab * ring_mcp_6,
+        ring_mcp_23,
+        neg_mul_add(ring_mcp_14, ring_mcp_3, ring_mcp_12 * ring_mcp_5),
     );
-    let ring_mcp_10 = neg_mul_add(
-        mul_sub(ring_edc_5, ring_edc_10, ring_edc_1 * (ring_edc_6 * ring_edc_9)),
-        ring_edc_13,
-        ring_mcp_9,
+    let ring_mcp_25 = v_ring_ab * ring_ab_9;
+    let ring_mcp_26 = neg_mul_add(
+        ring_mcp_25,
+        v_ring_ab * ring_mcp_8,
+        neg_mul_add(ring_mcp_7, ring_mcp_20, ring_mcp_10 * ring_mcp_18),
     );
-    let ring_mcp_11 = mul_add(
-        mul_add(
-            ring_interosseous_8,
-            ring_interosseous_13,
-            ring_interosseous_2 * (ring_interosseous_9 * ring_interosseous_12),
-        ),
-        ring_interosseous_14,
-        ring_mcp_10,
+    let ring_mcp_27 = v_ring_ab * v_ring_ab;
+    let ring_mcp_28 = neg_mul_add(
+        mul_add(v_ring_ab, ring_ab_5, ring_mcp_25),
+        v_ring_ab * ring_mcp_4,
+        neg_mul_add(ring_mcp_13, ring_mcp_5, ring_mcp_15 * ring_mcp_3),
+    );
+    let ring_mcp_29 = neg_mul_add(ring_ab_3 * ring_ab_13, ring_mcp_27, ring_mcp_28);
+    let ring_mcp_30 = ring_mcp_29
+        + neg_mul_add(ring_ab_2 * ring_ab_6, ring_mcp_27, ring_mcp_24 + ring_mcp_26);
+    let ring_mcp_31 = neg_mul_add(
+        v_ring_ab * ring_mcp_9,
+        mul_add(v_ring_ab, ring_ab_8, ring_mcp_23),
+        neg_mul_add(ring_mcp_10, ring_mcp_19, ring_mcp_7 * ring_mcp_21),
+    );
+    let ring_mcp_32 = mul_add(
+        ring_fdp_9 * mul_add(ring_fdp_5, ring_fdp_3, ring_fdp_1 * ring_fdp_6),
+        ring_fdp_12,
+        ring_mcp_30 + neg_mul_add(cos_ring_mcp * ring_ab_10, ring_mcp_27, ring_mcp_31),
+    );
+    let ring_mcp_33 = neg_mul_add(
+        ring_edc_9 * mul_sub(ring_edc_5, ring_edc_3, ring_edc_1 * ring_edc_6),
+        ring_edc_11,
+        ring_mcp_32,
+    );
+    let ring_mcp_34 = mul_add(
+        ring_interosseous_12
+            * mul_add(
+                ring_interosseous_8,
+                ring_interosseous_4,
+                ring_interosseous_2 * ring_interosseous_9,
+            ),
+        ring_interosseous_13,
+        ring_mcp_33,
     );
     force[coordinate::RING_MCP] = mul_add(
-        mul_add(ring_band_6, ring_band_11, ring_band_2 * (ring_band_7 * ring_band_10)),
-        ring_band_16,
-        ring_mcp_11,
+        ring_band_10 * mul_add(ring_band_6, ring_band_3, ring_band_2 * ring_band_7),
+        ring_band_13,
+        ring_mcp_34,
     );
-    let ring_pip_2 = mul_sub(ring_ab_12, ring_ab_22, ring_ab_7 * ring_ab_4);
-    let ring_pip_3 = 0.0414 * ring_ab_12
-        * (mul_sub(ring_ab_12, ring_ab_25, ring_ab_7 * ring_ab_15) + ring_pip_2);
-    let ring_pip_4 = mul_sub(
-        0.0414 * v_ring_mcp,
-        neg_mul_add(ring_mcp_1, ring_ab_25, ring_dip_1),
-        ring_pip_3,
-    );
-    let ring_fdp_16 = mul_add(
+    let ring_fdp_13 = mul_add(
         4.673399999999999e-5,
         sin_ring_pip,
         0.000185146 * cos_ring_pip,
-    ) / ring_fdp_12;
-    let ring_pip_5 = mul_add(
-        ring_fdp_16,
-        ring_fdp_15,
-        ring_pip_4 - mul_add(ring_ab_7, ring_ab_28, ring_ab_12 * ring_ab_20),
-    );
-    let ring_edc_15 = mul_add(
+    ) / ring_fdp_10;
+    let ring_edc_13 = mul_add(
         7.699999999999999e-5,
         sin_ring_pip,
         3.6000000000000014e-5 * cos_ring_pip,
-    ) / ring_edc_12;
-    let ring_band_17 = mul_add(
+    ) / ring_edc_10;
+    let ring_band_14 = mul_add(
         2.6999999999999985e-5,
         sin_ring_pip,
         3.600000000000002e-5 * cos_ring_pip,
-    ) / ring_band_13;
+    ) / ring_band_11;
     force[coordinate::RING_PIP] = neg_mul_add(
-        ring_band_17,
-        ring_band_16,
-        neg_mul_add(ring_edc_15, ring_edc_13, ring_pip_5),
+        ring_band_14,
+        ring_band_13,
+        neg_mul_add(
+            ring_edc_13,
+            ring_edc_11,
+            mul_add(ring_fdp_13, ring_fdp_12, ring_mcp_30),
+        ),
     );
-    let ring_dip_2 = mul_sub(
-        mul_sub(ring_ab_2, ring_mcp_1, ring_mcp_3),
-        ring_dip_1,
-        mul_add(ring_ab_8, ring_ab_7, ring_ab_2 * ring_ab_12) * ring_pip_2,
-    );
-    let ring_dip_3 = neg_mul_add(ring_ab_8 * ring_mcp_1, ring_pip_1, ring_dip_2)
-        - mul_add(ring_ab_7, ring_ab_24, ring_ab_12 * ring_ab_13);
-    let ring_fdp_17 = mul_add(
+    let ring_fdp_14 = mul_add(
         1.571779999999996e-6,
         sin_ring_dip,
         8.5561e-5 * cos_ring_dip,
-    ) / ring_fdp_14;
-    let ring_band_18 = mul_add(
+    ) / ring_fdp_11;
+    let ring_band_15 = mul_add(
         3.8249999999999995e-5,
         sin_ring_dip,
         2.600000000000001e-5 * cos_ring_dip,
-    ) / ring_band_15;
+    ) / ring_band_12;
     force[coordinate::RING_DIP] = neg_mul_add(
-        ring_band_18,
-        ring_band_16,
-        mul_add(ring_fdp_17, ring_fdp_15, ring_dip_3),
+        ring_band_15,
+        ring_band_13,
+        mul_add(ring_fdp_14, ring_fdp_12, ring_mcp_29),
     );
 }
 
@@ -389,7 +357,7 @@ pub fn evaluate(
 ///
 /// Strands: `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79).
 ///
-/// 790 operations: 83 sums, 206 products, 239 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
+/// 619 operations: 96 sums, 194 products, 153 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
 pub fn evaluate_with_matrix(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -415,90 +383,65 @@ pub fn evaluate_with_matrix(
     let rest_ring_edc = rest[strand::RING_EDC];
     let rest_ring_interosseous = rest[strand::RING_INTEROSSEOUS];
     let rest_ring_band = rest[strand::RING_BAND];
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(0.0257, cos_ring_pip, 0.0414);
-    let ring_ab_3 = mul_add(0.00865, ring_ab_1, ring_ab_2);
-    let ring_ab_4 = 0.0029294409016928746 * ring_ab_3;
-    let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
-    let ring_ab_6 = neg_mul_add(
-        ring_ab_5,
-        3.717704624323398e-8 * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, 1.089483483347094e-7),
-    );
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_ab_7 = v_ring_ab * cos_ring_mcp;
-    let ring_ab_8 = 0.0257 * sin_ring_pip;
-    let ring_ab_9 = mul_add(0.00865, ring_ab_5, ring_ab_8);
-    let ring_ab_10 = 3.717704624323398e-8 * ring_ab_1;
-    let ring_ab_11 = mul_add(ring_ab_9, ring_ab_4, ring_ab_5 * ring_ab_10);
-    let ring_ab_12 = v_ring_ab * sin_ring_mcp;
-    let ring_ab_13 = ring_ab_12 * ring_ab_11;
-    let ring_ab_14 = mul_sub(ring_ab_7, ring_ab_6, ring_ab_13);
-    let ring_ab_15 = mul_add(0.01285, cos_ring_pip, 0.0414);
-    let ring_ab_16 = 0.005684020756286941 * ring_ab_15;
-    let ring_ab_17 = neg_mul_add(
-        sin_ring_pip,
-        2.2190890700940578e-7 * sin_ring_pip,
-        mul_add(ring_ab_15, ring_ab_16, 4.037975712105879e-7),
+    let ring_ab_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
+    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
+    let ring_ab_2 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
+    let ring_ab_3 = mul_sub(cos_ring_dip, ring_ab_2, sin_ring_dip * ring_ab_1);
+    let ring_ab_4 = 2.5339663799643364e-5 * ring_ab_3;
+    let ring_ab_5 = 0.0257 * ring_ab_2;
+    let ring_ab_6 = ring_ab_5 * ring_ab_4;
+    let ring_ab_7 = 3.095335045498523e-6 * ring_ab_1;
+    let ring_ab_8 = neg_mul_add(ring_ab_1, ring_ab_7, 1.5476675227492616e-6);
+    let ring_ab_9 = 0.00014832629789179408 * ring_ab_2;
+    let ring_ab_10 = ring_ab_9 + ring_ab_4;
+    let ring_ab_11 = 0.0414 * cos_ring_mcp;
+    let ring_ab_12 = 2.1149213624841585e-5 * sin_ring_mcp;
+    let ring_ab_13 = neg_mul_add(sin_ring_mcp, ring_ab_12, 1.0574606812420793e-5);
+    let ring_ab_14 = 1.29734518691604e-5
+        + mul_add(2.0, ring_ab_11 * ring_ab_10, ring_ab_13)
+        + mul_add(2.0, ring_ab_6, ring_ab_8);
+    let ring_ab_15 = mul_add(cos_ring_dip, ring_ab_1, sin_ring_dip * ring_ab_2);
+    let ring_ab_16 = 2.5636513811014907e-7 * ring_ab_15;
+    let ring_ab_17 = neg_mul_add(ring_ab_15, ring_ab_16, 1.2818256905507453e-7);
+    let ring_ab_18 = ring_ab_17 + ring_ab_14;
+    momentum[coordinate::RING_AB] = v_ring_ab * ring_ab_18;
+    let ring_mcp_1 = v_ring_mcp + v_ring_pip;
+    let ring_mcp_2 = v_ring_dip + ring_mcp_1;
+    let ring_mcp_3 = ring_mcp_2 * ring_ab_4;
+    let ring_mcp_4 = 2.5339663799643364e-5 * ring_ab_15;
+    let ring_mcp_5 = ring_mcp_2 * ring_mcp_4;
+    let ring_mcp_6 = 0.0257 * ring_ab_1;
+    let ring_mcp_7 = v_ring_mcp * ring_ab_11;
+    let ring_mcp_8 = 0.00014832629789179408 * ring_ab_1;
+    let ring_mcp_9 = 0.0414 * sin_ring_mcp;
+    let ring_mcp_10 = v_ring_mcp * ring_mcp_9;
+    let ring_mcp_11 = mul_add(ring_mcp_6, ring_mcp_5, ring_ab_5 * ring_mcp_3)
+        + mul_add(ring_mcp_10, ring_mcp_8, ring_mcp_7 * ring_ab_9);
+    let ring_mcp_12 = ring_mcp_1 * ring_ab_5;
+    let ring_mcp_13 = ring_mcp_7 + ring_mcp_12;
+    let ring_mcp_14 = ring_mcp_1 * ring_mcp_6;
+    let ring_mcp_15 = ring_mcp_10 + ring_mcp_14;
+    let ring_mcp_16 = mul_add(
+        3.2813644020162447e-7,
+        ring_mcp_2,
+        mul_add(ring_mcp_15, ring_mcp_4, ring_mcp_13 * ring_ab_4),
     );
-    let ring_ab_18 = 0.01285 * sin_ring_pip;
-    let ring_ab_19 = 2.2190890700940578e-7 * cos_ring_pip;
-    let ring_ab_20 = mul_add(ring_ab_18, ring_ab_16, sin_ring_pip * ring_ab_19);
-    let ring_ab_21 = neg_mul_add(ring_ab_12, ring_ab_20, ring_ab_7 * ring_ab_17)
-        + ring_ab_14;
-    let ring_ab_22 = mul_add(6.855419880173114e-6, ring_ab_7, ring_ab_21);
-    let ring_ab_23 = 0.0029294409016928746 * ring_ab_9;
-    let ring_ab_24 = ring_ab_9 * ring_ab_23;
-    let ring_ab_25 = neg_mul_add(
-        ring_ab_1,
-        ring_ab_10,
-        1.089483483347094e-7 + ring_ab_24,
-    );
-    let ring_ab_26 = ring_ab_7 * ring_ab_11;
-    let ring_ab_27 = neg_mul_add(ring_ab_12, ring_ab_25, ring_ab_26);
-    let ring_ab_28 = 7.303966671828719e-5 * sin_ring_pip;
-    let ring_ab_29 = ring_ab_18 * ring_ab_28;
-    let ring_ab_30 = neg_mul_add(
-        cos_ring_pip,
-        ring_ab_19,
-        4.037975712105879e-7 + ring_ab_29,
-    );
-    let ring_ab_31 = neg_mul_add(ring_ab_12, ring_ab_30, ring_ab_7 * ring_ab_20)
-        + ring_ab_27;
-    let ring_ab_32 = neg_mul_add(4.6933499864261383e-7, ring_ab_12, ring_ab_31);
-    momentum[coordinate::RING_AB] = neg_mul_add(
-        sin_ring_mcp,
-        ring_ab_32,
-        cos_ring_mcp * ring_ab_22,
-    );
-    let ring_mcp_1 = 1.089483483347094e-7 + mul_add(ring_ab_3, ring_ab_4, ring_ab_24);
-    let ring_mcp_2 = v_ring_mcp + v_ring_pip;
-    let ring_mcp_3 = v_ring_dip + ring_mcp_2;
-    let ring_mcp_4 = 0.0414 * v_ring_pip;
-    let ring_mcp_5 = mul_add(v_ring_dip, ring_ab_2, ring_mcp_4);
-    let ring_mcp_6 = v_ring_dip * ring_ab_8;
-    let ring_mcp_7 = mul_sub(
-        ring_mcp_3,
-        ring_mcp_1,
-        mul_add(ring_mcp_6, ring_ab_23, ring_mcp_5 * ring_ab_4),
-    );
-    let ring_mcp_8 = 4.037975712105879e-7 + mul_add(ring_ab_15, ring_ab_16, ring_ab_29);
-    let ring_mcp_9 = mul_sub(ring_mcp_2, ring_mcp_8, ring_mcp_4 * ring_ab_16)
-        + ring_mcp_7;
-    momentum[coordinate::RING_MCP] = mul_add(
-        6.855419880173114e-6,
+    let ring_mcp_17 = ring_mcp_16
+        + mul_add(3.277223709699705e-6, ring_mcp_1, ring_mcp_11);
+    let ring_mcp_18 = ring_mcp_1 * ring_ab_9;
+    let ring_mcp_19 = ring_mcp_18 + ring_mcp_3;
+    let ring_mcp_20 = ring_mcp_1 * ring_mcp_8;
+    let ring_mcp_21 = ring_mcp_20 + ring_mcp_5;
+    let ring_mcp_22 = mul_add(
+        2.16185486234842e-5,
         v_ring_mcp,
-        ring_mcp_9,
+        mul_add(ring_mcp_9, ring_mcp_21, ring_ab_11 * ring_mcp_19),
     );
-    let ring_pip_1 = mul_sub(0.0029294409016928746, ring_mcp_5, ring_mcp_3 * ring_ab_4);
-    let ring_pip_2 = mul_sub(0.00023531845931027933, v_ring_pip, ring_mcp_2 * ring_ab_16)
-        + ring_pip_1;
-    momentum[coordinate::RING_PIP] = mul_add(0.0414, ring_pip_2, ring_mcp_9);
-    let ring_dip_1 = mul_sub(0.0029294409016928746, ring_mcp_6, ring_mcp_3 * ring_ab_23);
-    momentum[coordinate::RING_DIP] = ring_mcp_7
-        + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
+    momentum[coordinate::RING_MCP] = ring_mcp_17 + ring_mcp_22;
+    momentum[coordinate::RING_PIP] = ring_mcp_17;
+    momentum[coordinate::RING_DIP] = ring_mcp_16;
     let ring_fdp_1 = mul_sub(0.012, cos_ring_mcp, 0.01 * sin_ring_mcp);
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_fdp_2 = mul_add(
@@ -512,30 +455,31 @@ pub fn evaluate_with_matrix(
         cos_ring_ab,
         0.012000000000000007 * sin_ring_ab,
     );
-    let ring_fdp_5 = ring_fdp_4 * ring_fdp_4;
-    let ring_fdp_6 = mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
-    let ring_fdp_7 = 0.011 - ring_fdp_6;
-    let ring_fdp_8 = sqrt(
-        mul_add(ring_fdp_7, ring_fdp_7, mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_5)),
+    let ring_fdp_5 = mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
+    let ring_fdp_6 = 0.011 - ring_fdp_5;
+    let ring_fdp_7 = mul_add(
+        ring_fdp_6,
+        ring_fdp_6,
+        mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_4 * ring_fdp_4),
     );
+    let ring_fdp_8 = sqrt(ring_fdp_7);
     let ring_fdp_9 = 1.0 / ring_fdp_8;
-    let ring_fdp_10 = ring_fdp_3 * ring_fdp_9;
-    let ring_fdp_11 = ring_fdp_4 * ring_fdp_9;
-    let ring_fdp_12 = neg_mul_add(ring_fdp_4, ring_fdp_10, ring_fdp_2 * ring_fdp_11);
-    let ring_fdp_13 = neg_mul_add(
-        4.673399999999999e-5,
+    let ring_fdp_10 = ring_fdp_9
+        * mul_sub(ring_fdp_2, ring_fdp_4, ring_fdp_4 * ring_fdp_3);
+    let ring_fdp_11 = neg_mul_add(
+        9.346799999999998e-5,
         cos_ring_pip,
-        0.000185146 * sin_ring_pip,
+        0.000370292 * sin_ring_pip,
     );
-    let ring_fdp_14 = sqrt(neg_mul_add(2.0, ring_fdp_13, 0.00038251043599999996));
-    let ring_fdp_15 = neg_mul_add(
-        1.571779999999996e-6,
+    let ring_fdp_12 = sqrt(0.00038251043599999996 - ring_fdp_11);
+    let ring_fdp_13 = neg_mul_add(
+        3.143559999999992e-6,
         cos_ring_dip,
-        8.5561e-5 * sin_ring_dip,
+        0.000171122 * sin_ring_dip,
     );
-    let ring_fdp_16 = sqrt(neg_mul_add(2.0, ring_fdp_15, 0.00017344544100000002));
-    let ring_fdp_17 = k_flexor
-        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_14 + ring_fdp_16 - rest_ring_fdp);
+    let ring_fdp_14 = sqrt(0.00017344544100000002 - ring_fdp_13);
+    let ring_fdp_15 = k_flexor
+        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_12 + ring_fdp_14 - rest_ring_fdp);
     let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
     let ring_edc_2 = mul_add(
         0.003000000000000002,
@@ -548,24 +492,25 @@ pub fn evaluate_with_matrix(
         cos_ring_ab,
         0.003000000000000002 * sin_ring_ab,
     );
-    let ring_edc_5 = ring_edc_4 * ring_edc_4;
-    let ring_edc_6 = mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
-    let ring_edc_7 = -0.011 + ring_edc_6;
-    let ring_edc_8 = sqrt(
-        mul_add(ring_edc_7, ring_edc_7, mul_add(ring_edc_3, ring_edc_3, ring_edc_5)),
+    let ring_edc_5 = mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
+    let ring_edc_6 = -0.011 + ring_edc_5;
+    let ring_edc_7 = mul_add(
+        ring_edc_6,
+        ring_edc_6,
+        mul_add(ring_edc_3, ring_edc_3, ring_edc_4 * ring_edc_4),
     );
+    let ring_edc_8 = sqrt(ring_edc_7);
     let ring_edc_9 = 1.0 / ring_edc_8;
-    let ring_edc_10 = ring_edc_3 * ring_edc_9;
-    let ring_edc_11 = ring_edc_4 * ring_edc_9;
-    let ring_edc_12 = neg_mul_add(ring_edc_4, ring_edc_10, ring_edc_2 * ring_edc_11);
-    let ring_edc_13 = mul_sub(
-        7.699999999999999e-5,
+    let ring_edc_10 = ring_edc_9
+        * mul_sub(ring_edc_2, ring_edc_4, ring_edc_4 * ring_edc_3);
+    let ring_edc_11 = mul_sub(
+        0.00015399999999999998,
         cos_ring_pip,
-        3.6000000000000014e-5 * sin_ring_pip,
+        7.200000000000003e-5 * sin_ring_pip,
     );
-    let ring_edc_14 = sqrt(neg_mul_add(2.0, ring_edc_13, 0.00016999999999999999));
-    let ring_edc_15 = k_extensor
-        * (0.14143565528020308 + ring_edc_8 + ring_edc_14 - rest_ring_edc);
+    let ring_edc_12 = sqrt(0.00016999999999999999 - ring_edc_11);
+    let ring_edc_13 = k_extensor
+        * (0.14143565528020308 + ring_edc_8 + ring_edc_12 - rest_ring_edc);
     let ring_interosseous_1 = 0.008 * cos_ring_mcp;
     let ring_interosseous_2 = neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
     let ring_interosseous_3 = mul_add(
@@ -594,19 +539,18 @@ pub fn evaluate_with_matrix(
     );
     let ring_interosseous_11 = sqrt(ring_interosseous_10);
     let ring_interosseous_12 = 1.0 / ring_interosseous_11;
-    let ring_interosseous_13 = ring_interosseous_4 * ring_interosseous_12;
-    let ring_interosseous_14 = ring_interosseous_6 * ring_interosseous_12;
-    let ring_interosseous_15 = mul_add(
-        ring_interosseous_5,
-        ring_interosseous_13,
-        ring_interosseous_3 * ring_interosseous_14,
-    );
-    let ring_interosseous_16 = k_intrinsic
+    let ring_interosseous_13 = ring_interosseous_12
+        * mul_add(
+            ring_interosseous_3,
+            ring_interosseous_6,
+            ring_interosseous_5 * ring_interosseous_4,
+        );
+    let ring_interosseous_14 = k_intrinsic
         * (0.03514256678161116 + ring_interosseous_11 - rest_ring_interosseous);
-    let ring_ab_33 = mul_sub(
-        ring_interosseous_15,
-        ring_interosseous_16,
-        mul_add(ring_fdp_12, ring_fdp_17, ring_edc_12 * ring_edc_15),
+    let ring_ab_19 = mul_sub(
+        ring_interosseous_13,
+        ring_interosseous_14,
+        mul_add(ring_fdp_10, ring_fdp_15, ring_edc_10 * ring_edc_13),
     );
     let ring_band_1 = neg_mul_add(
         0.007999999999999998,
@@ -630,478 +574,373 @@ pub fn evaluate_with_matrix(
     );
     let ring_band_9 = sqrt(ring_band_8);
     let ring_band_10 = 1.0 / ring_band_9;
-    let ring_band_11 = ring_band_3 * ring_band_10;
-    let ring_band_12 = ring_band_5 * ring_band_10;
-    let ring_band_13 = neg_mul_add(
-        ring_band_4,
-        ring_band_11,
-        ring_band_1 * ring_band_12,
-    );
-    let ring_band_14 = mul_sub(
-        2.6999999999999985e-5,
+    let ring_band_11 = ring_band_10
+        * mul_sub(ring_band_1, ring_band_5, ring_band_4 * ring_band_3);
+    let ring_band_12 = mul_sub(
+        5.399999999999997e-5,
         cos_ring_pip,
-        3.600000000000002e-5 * sin_ring_pip,
+        7.200000000000004e-5 * sin_ring_pip,
     );
-    let ring_band_15 = sqrt(neg_mul_add(2.0, ring_band_14, 9.000000000000003e-5));
-    let ring_band_16 = mul_sub(
-        3.8249999999999995e-5,
+    let ring_band_13 = sqrt(9.000000000000003e-5 - ring_band_12);
+    let ring_band_14 = mul_sub(
+        7.649999999999999e-5,
         cos_ring_dip,
-        2.600000000000001e-5 * sin_ring_dip,
+        5.200000000000002e-5 * sin_ring_dip,
     );
-    let ring_band_17 = sqrt(neg_mul_add(2.0, ring_band_16, 9.65e-5));
-    let ring_band_18 = k_intrinsic
-        * (0.08891202891001955 + ring_band_9 + ring_band_15 + ring_band_17
+    let ring_band_15 = sqrt(9.65e-5 - ring_band_14);
+    let ring_band_16 = k_intrinsic
+        * (0.08891202891001955 + ring_band_9 + ring_band_13 + ring_band_15
             - rest_ring_band);
-    force[coordinate::RING_AB] = neg_mul_add(ring_band_13, ring_band_18, ring_ab_33);
-    let ring_fdp_18 = ring_fdp_7 * ring_fdp_9;
-    let ring_fdp_19 = mul_add(ring_fdp_6, ring_fdp_10, ring_fdp_1 * ring_fdp_18);
-    let ring_mcp_10 = mul_sub(
-        ring_fdp_19,
-        ring_fdp_17,
-        mul_add(ring_ab_7, ring_ab_32, ring_ab_12 * ring_ab_22),
+    force[coordinate::RING_AB] = neg_mul_add(ring_band_11, ring_band_16, ring_ab_19);
+    let ring_mcp_23 = v_ring_ab * ring_ab_4;
+    let ring_mcp_24 = v_ring_ab * ring_mcp_6;
+    let ring_mcp_25 = neg_mul_add(
+        ring_mcp_24,
+        ring_mcp_23,
+        neg_mul_add(ring_mcp_14, ring_mcp_3, ring_mcp_12 * ring_mcp_5),
     );
-    let ring_edc_16 = ring_edc_7 * ring_edc_9;
-    let ring_edc_17 = mul_sub(ring_edc_6, ring_edc_10, ring_edc_1 * ring_edc_16);
-    let ring_interosseous_17 = ring_interosseous_9 * ring_interosseous_12;
-    let ring_interosseous_18 = mul_add(
-        ring_interosseous_8,
-        ring_interosseous_13,
-        ring_interosseous_2 * ring_interosseous_17,
+    let ring_mcp_26 = v_ring_ab * ring_mcp_8;
+    let ring_mcp_27 = v_ring_ab * ring_ab_11;
+    let ring_mcp_28 = neg_mul_add(
+        ring_mcp_27,
+        ring_mcp_26,
+        neg_mul_add(ring_mcp_7, ring_mcp_20, ring_mcp_10 * ring_mcp_18),
     );
-    let ring_band_19 = ring_band_7 * ring_band_10;
-    let ring_band_20 = mul_add(ring_band_6, ring_band_11, ring_band_2 * ring_band_19);
+    let ring_mcp_29 = ring_ab_2 * ring_ab_7;
+    let ring_mcp_30 = v_ring_ab * v_ring_ab;
+    let ring_mcp_31 = v_ring_ab * ring_mcp_4;
+    let ring_mcp_32 = v_ring_ab * ring_ab_5;
+    let ring_mcp_33 = ring_mcp_27 + ring_mcp_32;
+    let ring_mcp_34 = neg_mul_add(
+        ring_mcp_33,
+        ring_mcp_31,
+        neg_mul_add(ring_mcp_13, ring_mcp_5, ring_mcp_15 * ring_mcp_3),
+    );
+    let ring_mcp_35 = ring_ab_3 * ring_ab_16;
+    let ring_mcp_36 = neg_mul_add(ring_mcp_35, ring_mcp_30, ring_mcp_34);
+    let ring_mcp_37 = ring_mcp_36
+        + neg_mul_add(ring_mcp_29, ring_mcp_30, ring_mcp_25 + ring_mcp_28);
+    let ring_mcp_38 = v_ring_ab * ring_ab_9;
+    let ring_mcp_39 = ring_mcp_38 + ring_mcp_23;
+    let ring_mcp_40 = v_ring_ab * ring_mcp_9;
+    let ring_mcp_41 = neg_mul_add(
+        ring_mcp_40,
+        ring_mcp_39,
+        neg_mul_add(ring_mcp_10, ring_mcp_19, ring_mcp_7 * ring_mcp_21),
+    );
+    let ring_mcp_42 = cos_ring_mcp * ring_ab_12;
+    let ring_fdp_16 = ring_fdp_9
+        * mul_add(ring_fdp_5, ring_fdp_3, ring_fdp_1 * ring_fdp_6);
+    let ring_mcp_43 = mul_add(
+        ring_fdp_16,
+        ring_fdp_15,
+        ring_mcp_37 + neg_mul_add(ring_mcp_42, ring_mcp_30, ring_mcp_41),
+    );
+    let ring_edc_14 = ring_edc_9
+        * mul_sub(ring_edc_5, ring_edc_3, ring_edc_1 * ring_edc_6);
+    let ring_interosseous_15 = ring_interosseous_12
+        * mul_add(
+            ring_interosseous_8,
+            ring_interosseous_4,
+            ring_interosseous_2 * ring_interosseous_9,
+        );
+    let ring_band_17 = ring_band_10
+        * mul_add(ring_band_6, ring_band_3, ring_band_2 * ring_band_7);
     force[coordinate::RING_MCP] = mul_add(
-        ring_band_20,
-        ring_band_18,
+        ring_band_17,
+        ring_band_16,
         mul_add(
-            ring_interosseous_18,
-            ring_interosseous_16,
-            neg_mul_add(ring_edc_17, ring_edc_15, ring_mcp_10),
+            ring_interosseous_15,
+            ring_interosseous_14,
+            neg_mul_add(ring_edc_14, ring_edc_13, ring_mcp_43),
         ),
     );
-    let ring_pip_3 = mul_sub(ring_ab_12, ring_ab_23, ring_ab_7 * ring_ab_4);
-    let ring_pip_4 = mul_sub(ring_ab_12, ring_ab_28, ring_ab_7 * ring_ab_16)
-        + ring_pip_3;
-    let ring_pip_5 = 0.0414 * ring_ab_12;
-    let ring_pip_6 = neg_mul_add(ring_mcp_2, ring_ab_28, ring_dip_1);
-    let ring_pip_7 = 0.0414 * v_ring_mcp;
-    let ring_pip_8 = mul_sub(ring_pip_7, ring_pip_6, ring_pip_5 * ring_pip_4)
-        - mul_add(ring_ab_7, ring_ab_31, ring_ab_12 * ring_ab_21);
-    let ring_fdp_20 = 1.0 / ring_fdp_14;
-    let ring_fdp_21 = ring_fdp_20
+    let ring_fdp_17 = 1.0 / ring_fdp_12;
+    let ring_fdp_18 = ring_fdp_17
         * mul_add(4.673399999999999e-5, sin_ring_pip, 0.000185146 * cos_ring_pip);
-    let ring_edc_18 = 1.0 / ring_edc_14;
-    let ring_edc_19 = ring_edc_18
+    let ring_edc_15 = 1.0 / ring_edc_12;
+    let ring_edc_16 = ring_edc_15
         * mul_add(
             7.699999999999999e-5,
             sin_ring_pip,
             3.6000000000000014e-5 * cos_ring_pip,
         );
-    let ring_band_21 = 1.0 / ring_band_15;
-    let ring_band_22 = ring_band_21
+    let ring_band_18 = 1.0 / ring_band_13;
+    let ring_band_19 = ring_band_18
         * mul_add(
             2.6999999999999985e-5,
             sin_ring_pip,
             3.600000000000002e-5 * cos_ring_pip,
         );
     force[coordinate::RING_PIP] = neg_mul_add(
-        ring_band_22,
-        ring_band_18,
+        ring_band_19,
+        ring_band_16,
         neg_mul_add(
-            ring_edc_19,
-            ring_edc_15,
-            mul_add(ring_fdp_21, ring_fdp_17, ring_pip_8),
+            ring_edc_16,
+            ring_edc_13,
+            mul_add(ring_fdp_18, ring_fdp_15, ring_mcp_37),
         ),
     );
-    let ring_dip_2 = mul_add(ring_ab_8, ring_ab_7, ring_ab_2 * ring_ab_12);
-    let ring_dip_3 = mul_sub(ring_ab_2, ring_mcp_2, ring_mcp_4);
-    let ring_dip_4 = ring_ab_8 * ring_mcp_2;
-    let ring_dip_5 = neg_mul_add(
-        ring_dip_4,
-        ring_pip_1,
-        mul_sub(ring_dip_3, ring_dip_1, ring_dip_2 * ring_pip_3),
-    );
-    let ring_fdp_22 = 1.0 / ring_fdp_16;
-    let ring_fdp_23 = ring_fdp_22
+    let ring_fdp_19 = 1.0 / ring_fdp_14;
+    let ring_fdp_20 = ring_fdp_19
         * mul_add(1.571779999999996e-6, sin_ring_dip, 8.5561e-5 * cos_ring_dip);
-    let ring_dip_6 = mul_add(
-        ring_fdp_23,
-        ring_fdp_17,
-        ring_dip_5 - mul_add(ring_ab_7, ring_ab_27, ring_ab_12 * ring_ab_14),
-    );
-    let ring_band_23 = 1.0 / ring_band_17;
-    let ring_band_24 = ring_band_23
+    let ring_band_20 = 1.0 / ring_band_15;
+    let ring_band_21 = ring_band_20
         * mul_add(
             3.8249999999999995e-5,
             sin_ring_dip,
             2.600000000000001e-5 * cos_ring_dip,
         );
-    force[coordinate::RING_DIP] = neg_mul_add(ring_band_24, ring_band_18, ring_dip_6);
-    let ring_fdp_24 = mul_sub(
-        ring_fdp_9,
-        neg_mul_add(
-            ring_fdp_12,
-            ring_fdp_12,
-            mul_add(ring_fdp_2, ring_fdp_2, ring_fdp_5),
-        ),
-        mul_add(ring_fdp_2, ring_fdp_10, ring_fdp_4 * ring_fdp_11),
+    force[coordinate::RING_DIP] = neg_mul_add(
+        ring_band_21,
+        ring_band_16,
+        mul_add(ring_fdp_20, ring_fdp_15, ring_mcp_36),
     );
     let index_fdp_1 = 0.25 * h;
-    let ring_fdp_25 = index_fdp_1 * ring_fdp_17;
+    let ring_fdp_21 = index_fdp_1 * ring_fdp_15;
+    let ring_fdp_22 = ring_fdp_9 * ring_fdp_21;
     let index_fdp_2 = k_flexor * index_fdp_1;
-    let ring_ab_34 = ring_ab_17 + ring_ab_6;
-    let ring_ab_35 = 6.855419880173114e-6 + ring_ab_34;
-    let ring_ab_36 = ring_ab_20 + ring_ab_11;
-    let ring_ab_37 = 1.0 / h;
-    let ring_ab_38 = cos_ring_mcp
-        * (ring_ab_37
-            * neg_mul_add(sin_ring_mcp, ring_ab_36, cos_ring_mcp * ring_ab_35));
-    let ring_ab_39 = ring_ab_30 + ring_ab_25;
-    let ring_ab_40 = 4.6933499864261383e-7 + ring_ab_39;
-    let ring_ab_41 = mul_sub(
-        sin_ring_mcp,
-        ring_ab_37 * neg_mul_add(sin_ring_mcp, ring_ab_40, cos_ring_mcp * ring_ab_36),
-        ring_ab_38,
+    let ring_fdp_23 = index_fdp_2 - ring_fdp_22;
+    let ring_fdp_24 = ring_fdp_2 * ring_fdp_1;
+    let ring_ab_20 = 1.0 / h;
+    let ring_ab_21 = mul_add(
+        ring_ab_20,
+        ring_ab_18,
+        mul_sub(ring_fdp_10, ring_fdp_10 * ring_fdp_23, ring_fdp_24 * ring_fdp_22),
     );
-    let ring_ab_42 = ring_ab_41
-        - mul_add(ring_fdp_12, index_fdp_2 * ring_fdp_12, ring_fdp_24 * ring_fdp_25);
-    let ring_edc_20 = mul_sub(
-        ring_edc_9,
-        neg_mul_add(
-            ring_edc_12,
-            ring_edc_12,
-            mul_add(ring_edc_2, ring_edc_2, ring_edc_5),
-        ),
-        mul_add(ring_edc_2, ring_edc_10, ring_edc_4 * ring_edc_11),
-    );
-    let ring_edc_21 = index_fdp_1 * ring_edc_15;
+    let ring_edc_17 = index_fdp_1 * ring_edc_13;
+    let ring_edc_18 = ring_edc_9 * ring_edc_17;
     let index_edc_1 = k_extensor * index_fdp_1;
-    let ring_ab_43 = ring_ab_42
-        - mul_add(ring_edc_12, index_edc_1 * ring_edc_12, ring_edc_20 * ring_edc_21);
-    let ring_interosseous_19 = neg_mul_add(
-        ring_interosseous_15,
-        ring_interosseous_15,
-        mul_add(
-            ring_interosseous_5,
-            ring_interosseous_5,
-            ring_interosseous_3 * ring_interosseous_3,
-        ),
-    );
-    let ring_interosseous_20 = mul_add(
-        ring_interosseous_12,
-        ring_interosseous_19,
-        neg_mul_add(
-            ring_interosseous_3,
-            ring_interosseous_13,
-            ring_interosseous_5 * ring_interosseous_14,
-        ),
-    );
-    let ring_interosseous_21 = index_fdp_1 * ring_interosseous_16;
+    let ring_edc_19 = index_edc_1 - ring_edc_18;
+    let ring_edc_20 = ring_edc_2 * ring_edc_1;
+    let ring_ab_22 = mul_sub(
+        ring_edc_10,
+        ring_edc_10 * ring_edc_19,
+        ring_edc_20 * ring_edc_18,
+    ) + ring_ab_21;
+    let ring_interosseous_16 = ring_interosseous_12
+        * (index_fdp_1 * ring_interosseous_14);
     let index_interosseous_1 = k_intrinsic * index_fdp_1;
-    let ring_ab_44 = ring_ab_43
-        - mul_add(
-            ring_interosseous_15,
-            index_interosseous_1 * ring_interosseous_15,
-            ring_interosseous_20 * ring_interosseous_21,
-        );
-    let ring_band_25 = neg_mul_add(
-        ring_band_13,
-        ring_band_13,
-        mul_add(ring_band_4, ring_band_4, ring_band_1 * ring_band_1),
+    let ring_interosseous_17 = index_interosseous_1 - ring_interosseous_16;
+    let ring_interosseous_18 = ring_interosseous_3 * ring_interosseous_2;
+    let ring_interosseous_19 = mul_sub(
+        ring_interosseous_13,
+        ring_interosseous_13 * ring_interosseous_17,
+        mul_add(0.01, ring_interosseous_5, ring_interosseous_18) * ring_interosseous_16,
     );
+    let ring_band_22 = index_fdp_1 * ring_band_16;
+    let ring_band_23 = ring_band_10 * ring_band_22;
+    let ring_band_24 = index_interosseous_1 - ring_band_23;
+    let ring_band_25 = ring_band_1 * ring_band_2;
     let ring_band_26 = mul_add(
-        ring_band_10,
-        ring_band_25,
-        mul_add(ring_band_1, ring_band_11, ring_band_4 * ring_band_12),
+        ring_band_11,
+        ring_band_11 * ring_band_24,
+        mul_add(0.009, ring_band_4, ring_band_25) * ring_band_23,
     );
-    let ring_band_27 = index_fdp_1 * ring_band_18;
-    matrix[32] = ring_ab_44
-        - mul_add(
-            ring_band_13,
-            index_interosseous_1 * ring_band_13,
-            ring_band_26 * ring_band_27,
-        );
-    let ring_fdp_26 = ring_fdp_9
-        * mul_add(ring_fdp_4, ring_fdp_6, ring_fdp_12 * ring_fdp_19) * ring_fdp_25;
-    let ring_fdp_27 = index_fdp_2 * ring_fdp_19;
-    let ring_fdp_28 = neg_mul_add(ring_fdp_12, ring_fdp_27, ring_fdp_26);
-    let ring_ab_45 = ring_ab_7 * ring_ab_36;
-    let ring_ab_46 = ring_ab_32 + mul_add(ring_ab_12, ring_ab_35, ring_ab_45);
-    let ring_ab_47 = ring_ab_12 * ring_ab_36;
-    let ring_ab_48 = ring_ab_22 - mul_add(ring_ab_7, ring_ab_40, ring_ab_47);
-    let ring_ab_49 = mul_add(sin_ring_mcp, ring_ab_48, cos_ring_mcp * ring_ab_46);
-    let ring_edc_22 = ring_edc_9
-        * mul_add(ring_edc_4, ring_edc_6, ring_edc_12 * ring_edc_17) * ring_edc_21;
-    let ring_edc_23 = index_edc_1 * ring_edc_17;
-    let ring_edc_24 = mul_sub(ring_edc_12, ring_edc_23, ring_edc_22);
-    let ring_interosseous_22 = ring_interosseous_12
-        * mul_sub(
-            ring_interosseous_5,
-            ring_interosseous_8,
-            ring_interosseous_15 * ring_interosseous_18,
-        ) * ring_interosseous_21;
-    let ring_interosseous_23 = index_interosseous_1 * ring_interosseous_18;
-    let ring_interosseous_24 = mul_add(
+    matrix[32] = -(ring_band_26 + (ring_interosseous_19 + ring_ab_22));
+    let ring_fdp_25 = ring_fdp_16 * ring_fdp_23;
+    let ring_edc_21 = ring_edc_14 * ring_edc_19;
+    let ring_ab_23 = neg_mul_add(
+        ring_fdp_10,
+        ring_fdp_25,
+        ring_fdp_4 * ring_fdp_5 * ring_fdp_22,
+    ) + mul_sub(ring_edc_10, ring_edc_21, ring_edc_4 * ring_edc_5 * ring_edc_18);
+    let ring_interosseous_20 = ring_interosseous_15 * ring_interosseous_17;
+    let ring_ab_24 = mul_add(
+        ring_interosseous_13,
+        ring_interosseous_20,
+        ring_interosseous_5 * ring_interosseous_8 * ring_interosseous_16,
+    ) + ring_ab_23;
+    let ring_band_27 = ring_band_17 * ring_band_24;
+    let ring_ab_25 = neg_mul_add(
+        ring_band_11,
+        ring_band_27,
+        ring_band_4 * ring_band_6 * ring_band_23,
+    ) + ring_ab_24;
+    let ring_ab_26 = 2.0 * v_ring_ab;
+    let ring_ab_27 = mul_add(
+        ring_mcp_35,
+        ring_ab_26,
+        mul_add(ring_ab_11 + ring_ab_5, ring_mcp_31, ring_mcp_33 * ring_mcp_4),
+    );
+    let ring_ab_28 = 0.5 * ring_ab_27;
+    let ring_ab_29 = mul_add(
+        ring_mcp_6,
+        ring_mcp_23,
+        mul_add(ring_mcp_24, ring_ab_4, ring_ab_11 * ring_mcp_26),
+    );
+    let ring_ab_30 = mul_add(
+        0.5,
+        mul_add(ring_mcp_29, ring_ab_26, mul_add(ring_mcp_27, ring_mcp_8, ring_ab_29)),
+        ring_ab_28,
+    );
+    let ring_ab_31 = mul_add(
+        ring_mcp_42,
+        ring_ab_26,
+        mul_add(ring_mcp_40, ring_ab_10, ring_mcp_9 * ring_mcp_39),
+    );
+    let ring_ab_32 = mul_add(0.5, ring_ab_31, ring_ab_30);
+    matrix[33] = ring_ab_32 - ring_ab_25;
+    let ring_edc_22 = index_edc_1 * ring_edc_16;
+    let ring_fdp_26 = index_fdp_2 * ring_fdp_18;
+    let ring_band_28 = index_interosseous_1 * ring_band_19;
+    let ring_ab_33 = neg_mul_add(
+        ring_band_11,
+        ring_band_28,
+        mul_sub(ring_fdp_10, ring_fdp_26, ring_edc_10 * ring_edc_22),
+    );
+    matrix[34] = ring_ab_30 + ring_ab_33;
+    let ring_band_29 = index_interosseous_1 * ring_band_21;
+    let ring_fdp_27 = index_fdp_2 * ring_fdp_20;
+    let ring_ab_34 = mul_sub(ring_fdp_10, ring_fdp_27, ring_band_11 * ring_band_29);
+    matrix[35] = ring_ab_28 + ring_ab_34;
+    matrix[36] = -(ring_ab_32 + ring_ab_25);
+    let ring_mcp_44 = mul_add(ring_mcp_12, ring_mcp_3, ring_mcp_14 * ring_mcp_5);
+    let ring_mcp_45 = 2.0 * ring_mcp_30;
+    let ring_mcp_46 = mul_add(ring_mcp_10, ring_mcp_20, ring_mcp_7 * ring_mcp_18);
+    let ring_mcp_47 = mul_add(
+        ring_ab_8,
+        ring_mcp_45,
+        mul_add(ring_mcp_32, ring_mcp_23, ring_mcp_44),
+    ) + mul_add(ring_mcp_27, ring_mcp_38, ring_mcp_46);
+    let ring_mcp_48 = mul_sub(
+        index_fdp_1,
+        mul_add(ring_mcp_24, ring_mcp_31, ring_mcp_44),
+        ring_ab_20 * mul_add(ring_mcp_6, ring_mcp_4, ring_ab_6),
+    );
+    let ring_mcp_49 = mul_add(
+        ring_mcp_33,
+        ring_mcp_23,
+        mul_add(ring_mcp_13, ring_mcp_3, ring_mcp_15 * ring_mcp_5),
+    );
+    let ring_mcp_50 = mul_add(
+        index_fdp_1,
+        mul_add(ring_ab_17, ring_mcp_45, ring_mcp_49),
+        3.2813644020162447e-7 * ring_ab_20,
+    );
+    let ring_mcp_51 = ring_mcp_48 - ring_mcp_50;
+    let ring_mcp_52 = ring_mcp_48
+        - mul_add(index_fdp_1, ring_mcp_47, 3.277223709699705e-6 * ring_ab_20)
+        + ring_mcp_51;
+    let ring_mcp_53 = mul_add(
+        ring_mcp_40,
+        ring_mcp_31,
+        mul_add(ring_mcp_10, ring_mcp_5, ring_mcp_7 * ring_mcp_3),
+    );
+    let ring_mcp_54 = mul_sub(
+        index_fdp_1,
+        ring_mcp_53,
+        ring_ab_20 * mul_add(ring_mcp_9, ring_mcp_4, ring_ab_11 * ring_ab_4),
+    );
+    let ring_mcp_55 = mul_sub(
+        index_fdp_1,
+        mul_add(ring_mcp_40, ring_mcp_26, ring_mcp_46),
+        ring_ab_20 * mul_add(ring_mcp_9, ring_mcp_8, ring_ab_11 * ring_ab_9),
+    );
+    let ring_mcp_56 = ring_mcp_55 + ring_mcp_54;
+    let ring_mcp_57 = ring_mcp_56 + ring_mcp_52;
+    let ring_mcp_58 = mul_add(
+        ring_mcp_27,
+        ring_mcp_39,
+        mul_add(ring_mcp_7, ring_mcp_19, ring_mcp_10 * ring_mcp_21),
+    );
+    let ring_mcp_59 = mul_add(
+        index_fdp_1,
+        mul_add(ring_ab_13, ring_mcp_45, ring_mcp_58),
+        2.16185486234842e-5 * ring_ab_20,
+    );
+    let ring_fdp_28 = mul_add(
+        ring_fdp_16,
+        ring_fdp_25,
+        mul_sub(0.011, ring_fdp_5, ring_fdp_24) * ring_fdp_22,
+    );
+    let ring_edc_23 = mul_add(
+        ring_edc_14,
+        ring_edc_21,
+        mul_sub(0.011, ring_edc_5, ring_edc_20) * ring_edc_18,
+    );
+    let ring_interosseous_21 = mul_add(
         ring_interosseous_15,
-        ring_interosseous_23,
-        ring_interosseous_22,
+        ring_interosseous_20,
+        mul_sub(0.001, ring_interosseous_8, ring_interosseous_18) * ring_interosseous_16,
     );
-    let ring_band_28 = ring_band_10
-        * mul_add(ring_band_4, ring_band_6, ring_band_13 * ring_band_20) * ring_band_27;
-    let ring_band_29 = index_interosseous_1 * ring_band_20;
-    let ring_band_30 = neg_mul_add(ring_band_13, ring_band_29, ring_band_28);
-    matrix[33] = mul_sub(0.5, ring_ab_49, ring_fdp_28) - ring_edc_24
-        - ring_interosseous_24 - ring_band_30;
-    let ring_ab_50 = ring_ab_28 + ring_ab_23;
-    let ring_ab_51 = mul_sub(
-        ring_pip_5,
-        ring_ab_50,
-        mul_add(ring_ab_7, ring_ab_39, ring_ab_47),
-    ) + mul_add(0.0414, ring_pip_4, ring_ab_21);
-    let ring_ab_52 = ring_ab_16 + ring_ab_4;
-    let ring_ab_53 = mul_sub(
-        ring_pip_5,
-        ring_ab_52,
-        mul_add(ring_ab_12, ring_ab_34, ring_ab_45),
-    ) - ring_ab_31;
-    let ring_ab_54 = 0.5
-        * neg_mul_add(sin_ring_mcp, ring_ab_51, cos_ring_mcp * ring_ab_53);
-    let ring_fdp_29 = index_fdp_2 * ring_fdp_21;
-    let ring_edc_25 = index_edc_1 * ring_edc_19;
-    let ring_band_31 = index_interosseous_1 * ring_band_22;
-    matrix[34] = neg_mul_add(
-        ring_band_13,
-        ring_band_31,
+    let ring_mcp_60 = ring_mcp_56 - ring_mcp_59 + ring_mcp_57 - ring_fdp_28 - ring_edc_23
+        - ring_interosseous_21;
+    let ring_band_30 = mul_add(
+        ring_band_17,
+        ring_band_27,
+        mul_add(0.005, ring_band_6, ring_band_25) * ring_band_23,
+    );
+    matrix[37] = ring_mcp_60 - ring_band_30;
+    let ring_mcp_61 = mul_add(
+        ring_band_17,
+        ring_band_28,
         neg_mul_add(
-            ring_edc_12,
-            ring_edc_25,
-            mul_sub(ring_fdp_12, ring_fdp_29, ring_ab_54),
+            ring_edc_14,
+            ring_edc_22,
+            neg_mul_add(ring_fdp_16, ring_fdp_26, ring_mcp_57),
         ),
     );
-    let ring_ab_55 = mul_sub(
-        ring_dip_2,
-        ring_ab_23,
-        mul_add(ring_ab_7, ring_ab_25, ring_ab_13),
-    ) + mul_add(ring_ab_2, ring_pip_3, ring_ab_14);
-    let ring_ab_56 = mul_sub(
-        ring_dip_2,
-        ring_ab_4,
-        mul_add(ring_ab_12, ring_ab_6, ring_ab_26),
-    ) - mul_add(ring_ab_8, ring_pip_3, ring_ab_27);
-    let ring_ab_57 = 0.5
-        * neg_mul_add(sin_ring_mcp, ring_ab_55, cos_ring_mcp * ring_ab_56);
-    let ring_fdp_30 = index_fdp_2 * ring_fdp_23;
-    let ring_band_32 = index_interosseous_1 * ring_band_24;
-    matrix[35] = neg_mul_add(
-        ring_band_13,
-        ring_band_32,
-        mul_sub(ring_fdp_12, ring_fdp_30, ring_ab_57),
+    let ring_mcp_62 = neg_mul_add(ring_mcp_9, ring_ab_4, ring_ab_11 * ring_mcp_4)
+        * (0.5 * (v_ring_mcp + ring_mcp_2));
+    let ring_mcp_63 = mul_add(
+        neg_mul_add(ring_mcp_9, ring_ab_9, ring_ab_11 * ring_mcp_8),
+        0.5 * (v_ring_mcp + ring_mcp_1),
+        ring_mcp_62,
     );
-    let ring_mcp_11 = ring_band_30
-        + (ring_interosseous_24 + (ring_edc_24 + mul_add(0.5, ring_ab_49, ring_fdp_28)));
-    matrix[36] = -ring_mcp_11;
-    let ring_fdp_31 = neg_mul_add(
-        ring_fdp_19,
-        ring_fdp_19,
-        mul_add(ring_fdp_6, ring_fdp_6, ring_fdp_1 * ring_fdp_1),
+    matrix[38] = ring_mcp_63 + ring_mcp_61;
+    let ring_mcp_64 = mul_add(
+        ring_band_17,
+        ring_band_29,
+        neg_mul_add(ring_fdp_16, ring_fdp_27, ring_mcp_54 + ring_mcp_51),
     );
+    let ring_mcp_65 = neg_mul_add(ring_mcp_6, ring_ab_4, ring_ab_5 * ring_mcp_4)
+        * (0.5 * (ring_mcp_1 + ring_mcp_2));
+    let ring_mcp_66 = ring_mcp_62 + ring_mcp_65;
+    matrix[39] = ring_mcp_66 + ring_mcp_64;
+    matrix[40] = ring_ab_33 - ring_ab_30;
+    matrix[41] = ring_mcp_61 - ring_mcp_63;
+    let ring_fdp_29 = ring_fdp_17 * ring_fdp_21;
+    let ring_fdp_30 = mul_add(
+        ring_fdp_18,
+        ring_fdp_18 * (index_fdp_2 - ring_fdp_29),
+        0.5 * ring_fdp_11 * ring_fdp_29,
+    );
+    let ring_edc_24 = ring_edc_15 * ring_edc_17;
+    let ring_edc_25 = mul_add(
+        ring_edc_16,
+        ring_edc_16 * (index_edc_1 - ring_edc_24),
+        0.5 * ring_edc_11 * ring_edc_24,
+    );
+    let ring_band_31 = ring_band_18 * ring_band_22;
+    let ring_band_32 = mul_add(
+        ring_band_19,
+        ring_band_19 * (index_interosseous_1 - ring_band_31),
+        0.5 * ring_band_12 * ring_band_31,
+    );
+    matrix[42] = ring_mcp_52 - ring_fdp_30 - ring_edc_25 - ring_band_32;
+    let ring_pip_1 = neg_mul_add(
+        ring_band_19,
+        ring_band_29,
+        neg_mul_add(ring_fdp_18, ring_fdp_27, ring_mcp_51),
+    );
+    matrix[43] = ring_mcp_65 + ring_pip_1;
+    matrix[44] = ring_ab_34 - ring_ab_28;
+    matrix[45] = ring_mcp_64 - ring_mcp_66;
+    matrix[46] = ring_pip_1 - ring_mcp_65;
+    let ring_fdp_31 = ring_fdp_19 * ring_fdp_21;
     let ring_fdp_32 = mul_add(
-        ring_fdp_9,
-        ring_fdp_31,
-        neg_mul_add(ring_fdp_1, ring_fdp_10, ring_fdp_6 * ring_fdp_18),
+        ring_fdp_20,
+        ring_fdp_20 * (index_fdp_2 - ring_fdp_31),
+        0.5 * ring_fdp_13 * ring_fdp_31,
     );
-    let ring_mcp_12 = neg_mul_add(
-        ring_ab_7,
-        index_fdp_1 * ring_ab_48,
-        ring_ab_12 * (index_fdp_1 * ring_ab_46),
-    );
-    let ring_mcp_13 = ring_mcp_8 + ring_mcp_1;
-    let ring_mcp_14 = neg_mul_add(
-        ring_ab_37,
-        6.855419880173114e-6 + ring_mcp_13,
-        ring_mcp_12,
-    ) - mul_add(ring_fdp_19, ring_fdp_27, ring_fdp_32 * ring_fdp_25);
-    let ring_edc_26 = neg_mul_add(
-        ring_edc_17,
-        ring_edc_17,
-        mul_add(ring_edc_6, ring_edc_6, ring_edc_1 * ring_edc_1),
-    );
-    let ring_edc_27 = mul_sub(
-        ring_edc_9,
-        ring_edc_26,
-        mul_add(ring_edc_1, ring_edc_10, ring_edc_6 * ring_edc_16),
-    );
-    let ring_interosseous_25 = neg_mul_add(
-        ring_interosseous_18,
-        ring_interosseous_18,
-        mul_add(
-            ring_interosseous_8,
-            ring_interosseous_8,
-            ring_interosseous_2 * ring_interosseous_2,
-        ),
-    );
-    let ring_interosseous_26 = mul_add(
-        ring_interosseous_12,
-        ring_interosseous_25,
-        neg_mul_add(
-            ring_interosseous_2,
-            ring_interosseous_13,
-            ring_interosseous_8 * ring_interosseous_17,
-        ),
-    );
-    let ring_mcp_15 = ring_mcp_14
-        - mul_add(ring_edc_17, ring_edc_23, ring_edc_27 * ring_edc_21)
-        - mul_add(
-            ring_interosseous_18,
-            ring_interosseous_23,
-            ring_interosseous_26 * ring_interosseous_21,
-        );
-    let ring_band_33 = neg_mul_add(
-        ring_band_20,
-        ring_band_20,
-        mul_add(ring_band_6, ring_band_6, ring_band_2 * ring_band_2),
-    );
+    let ring_band_33 = ring_band_20 * ring_band_22;
     let ring_band_34 = mul_add(
-        ring_band_10,
-        ring_band_33,
-        neg_mul_add(ring_band_2, ring_band_11, ring_band_6 * ring_band_19),
+        ring_band_21,
+        ring_band_21 * (index_interosseous_1 - ring_band_33),
+        0.5 * ring_band_14 * ring_band_33,
     );
-    matrix[37] = ring_mcp_15
-        - mul_add(ring_band_20, ring_band_29, ring_band_34 * ring_band_27);
-    let ring_mcp_16 = mul_add(
-        ring_ab_7,
-        index_fdp_1 * ring_ab_51,
-        ring_ab_12 * (index_fdp_1 * ring_ab_53),
-    );
-    let ring_mcp_17 = ring_ab_37 * neg_mul_add(0.0414, ring_ab_52, ring_mcp_13);
-    let ring_mcp_18 = ring_mcp_17 + ring_mcp_16;
-    let ring_mcp_19 = neg_mul_add(ring_pip_7, ring_ab_50, 0.0414 * ring_pip_6);
-    let ring_mcp_20 = mul_add(
-        ring_edc_17,
-        ring_edc_25,
-        mul_add(ring_fdp_19, ring_fdp_29, mul_add(0.5, ring_mcp_19, ring_mcp_18)),
-    );
-    matrix[38] = mul_sub(ring_band_20, ring_band_31, ring_mcp_20);
-    let ring_mcp_21 = mul_add(
-        ring_ab_7,
-        index_fdp_1 * ring_ab_55,
-        ring_ab_12 * (index_fdp_1 * ring_ab_56),
-    );
-    let ring_mcp_22 = ring_ab_37
-        * (ring_mcp_1 - mul_add(ring_ab_8, ring_ab_23, ring_ab_2 * ring_ab_4));
-    let ring_mcp_23 = ring_mcp_22 + ring_mcp_21;
-    let ring_mcp_24 = neg_mul_add(ring_dip_3, ring_ab_23, ring_dip_4 * ring_ab_4)
-        + mul_sub(ring_ab_2, ring_dip_1, ring_ab_8 * ring_pip_1);
-    matrix[39] = mul_sub(
-        ring_band_20,
-        ring_band_32,
-        mul_add(ring_fdp_19, ring_fdp_30, mul_add(0.5, ring_mcp_24, ring_mcp_23)),
-    );
-    matrix[40] = neg_mul_add(
-        ring_band_13,
-        ring_band_31,
-        neg_mul_add(
-            ring_edc_12,
-            ring_edc_25,
-            mul_add(ring_fdp_12, ring_fdp_29, ring_ab_54),
-        ),
-    );
-    let ring_pip_9 = neg_mul_add(
-        ring_edc_17,
-        ring_edc_25,
-        neg_mul_add(ring_fdp_19, ring_fdp_29, mul_sub(0.5, ring_mcp_19, ring_mcp_18)),
-    );
-    matrix[41] = mul_add(ring_band_20, ring_band_31, ring_pip_9);
-    let ring_pip_10 = mul_sub(
-        0.0003565973126403644,
-        ring_ab_12,
-        mul_add(ring_ab_7, ring_ab_50, ring_ab_12 * ring_ab_52),
-    );
-    let ring_pip_11 = mul_add(
-        ring_pip_7,
-        index_fdp_1 * mul_add(0.0003565973126403644, v_ring_mcp, ring_pip_2),
-        ring_pip_5 * (index_fdp_1 * ring_pip_10),
-    );
-    let ring_pip_12 = ring_pip_11 - ring_mcp_16
-        - mul_add(
-            0.0414,
-            ring_ab_37 * (0.0003565973126403644 - ring_ab_52),
-            ring_mcp_17,
-        );
-    let ring_fdp_33 = mul_add(
-        ring_fdp_21,
-        ring_fdp_29,
-        ring_fdp_20 * neg_mul_add(ring_fdp_21, ring_fdp_21, ring_fdp_13) * ring_fdp_25,
-    );
-    let ring_edc_28 = mul_add(
-        ring_edc_19,
-        ring_edc_25,
-        ring_edc_18 * neg_mul_add(ring_edc_19, ring_edc_19, ring_edc_13) * ring_edc_21,
-    );
-    let ring_band_35 = mul_add(
-        ring_band_22,
-        ring_band_31,
-        ring_band_21 * neg_mul_add(ring_band_22, ring_band_22, ring_band_14)
-            * ring_band_27,
-    );
-    matrix[42] = ring_pip_12 - ring_fdp_33 - ring_edc_28 - ring_band_35;
-    let ring_pip_13 = mul_sub(
-        0.0029294409016928746,
-        ring_dip_2,
-        mul_add(ring_ab_7, ring_ab_23, ring_ab_12 * ring_ab_4),
-    );
-    let ring_pip_14 = index_fdp_1 * ring_pip_13;
-    let ring_pip_15 = index_fdp_1
-        * mul_add(0.0029294409016928746, ring_dip_3, ring_pip_1);
-    let ring_pip_16 = ring_ab_37 * mul_sub(0.0029294409016928746, ring_ab_2, ring_ab_4);
-    let ring_pip_17 = mul_add(ring_pip_7, ring_pip_15, ring_pip_5 * ring_pip_14)
-        - ring_mcp_21 - mul_add(0.0414, ring_pip_16, ring_mcp_22);
-    let ring_pip_18 = mul_add(0.0029294409016928746, ring_dip_4, ring_dip_1);
-    let ring_pip_19 = mul_sub(7.528663117350688e-5, sin_ring_pip, ring_ab_23);
-    let ring_pip_20 = neg_mul_add(
-        ring_pip_7,
-        ring_pip_19,
-        neg_mul_add(0.0414, ring_pip_18, ring_mcp_24),
-    );
-    matrix[43] = neg_mul_add(
-        ring_band_22,
-        ring_band_32,
-        neg_mul_add(ring_fdp_21, ring_fdp_30, neg_mul_add(0.5, ring_pip_20, ring_pip_17)),
-    );
-    matrix[44] = neg_mul_add(
-        ring_band_13,
-        ring_band_32,
-        mul_add(ring_fdp_12, ring_fdp_30, ring_ab_57),
-    );
-    matrix[45] = mul_add(
-        ring_band_20,
-        ring_band_32,
-        neg_mul_add(ring_fdp_19, ring_fdp_30, mul_sub(0.5, ring_mcp_24, ring_mcp_23)),
-    );
-    matrix[46] = neg_mul_add(
-        ring_band_22,
-        ring_band_32,
-        neg_mul_add(ring_fdp_21, ring_fdp_30, mul_add(0.5, ring_pip_20, ring_pip_17)),
-    );
-    let ring_dip_7 = mul_add(
-        ring_dip_4,
-        index_fdp_1 * ring_pip_18,
-        mul_add(ring_dip_3, ring_pip_15, ring_dip_2 * ring_pip_14),
-    );
-    let ring_dip_8 = ring_mcp_22
-        + mul_add(ring_ab_8, ring_ab_37 * ring_pip_19, ring_ab_2 * ring_pip_16);
-    let ring_fdp_34 = mul_add(
-        ring_fdp_23,
-        ring_fdp_30,
-        ring_fdp_22 * neg_mul_add(ring_fdp_23, ring_fdp_23, ring_fdp_15) * ring_fdp_25,
-    );
-    let ring_band_36 = mul_add(
-        ring_band_24,
-        ring_band_32,
-        ring_band_23 * neg_mul_add(ring_band_24, ring_band_24, ring_band_16)
-            * ring_band_27,
-    );
-    matrix[47] = ring_dip_7 - ring_mcp_21 - ring_dip_8 - ring_fdp_34 - ring_band_36;
+    matrix[47] = -(ring_band_34 + (ring_fdp_32 + ring_mcp_50));
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -1112,80 +951,61 @@ pub fn evaluate_with_matrix(
 ///
 /// Strands: `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79).
 ///
-/// 91 operations: 15 sums, 21 products, 26 products with sum, 3 sines and cosines.
+/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
 pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     let q_ring_mcp = q[coordinate::RING_MCP];
     let q_ring_pip = q[coordinate::RING_PIP];
     let q_ring_dip = q[coordinate::RING_DIP];
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(0.0257, cos_ring_pip, 0.0414);
-    let ring_ab_3 = mul_add(0.00865, ring_ab_1, ring_ab_2);
-    let ring_ab_4 = 0.0029294409016928746 * ring_ab_3;
-    let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
-    let ring_ab_6 = neg_mul_add(
-        ring_ab_5,
-        3.717704624323398e-8 * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, 1.089483483347094e-7),
-    );
-    let ring_ab_7 = mul_add(0.01285, cos_ring_pip, 0.0414);
-    let ring_ab_8 = 0.005684020756286941 * ring_ab_7;
-    let ring_ab_9 = neg_mul_add(
-        sin_ring_pip,
-        2.2190890700940578e-7 * sin_ring_pip,
-        mul_add(ring_ab_7, ring_ab_8, 4.037975712105879e-7),
-    );
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_ab_10 = 0.0257 * sin_ring_pip;
-    let ring_ab_11 = mul_add(0.00865, ring_ab_5, ring_ab_10);
-    let ring_ab_12 = 3.717704624323398e-8 * ring_ab_1;
-    let ring_ab_13 = 0.01285 * sin_ring_pip;
-    let ring_ab_14 = 2.2190890700940578e-7 * cos_ring_pip;
-    let ring_ab_15 = mul_add(ring_ab_13, ring_ab_8, sin_ring_pip * ring_ab_14)
-        + mul_add(ring_ab_11, ring_ab_4, ring_ab_5 * ring_ab_12);
-    let ring_ab_16 = neg_mul_add(
-        sin_ring_mcp,
-        ring_ab_15,
-        cos_ring_mcp * (6.855419880173114e-6 + (ring_ab_9 + ring_ab_6)),
+    let ring_ab_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
+    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
+    let ring_ab_2 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
+    let ring_ab_3 = 2.5339663799643364e-5
+        * mul_sub(cos_ring_dip, ring_ab_2, sin_ring_dip * ring_ab_1);
+    let ring_ab_4 = 0.0257 * ring_ab_2 * ring_ab_3;
+    let ring_ab_5 = mul_add(
+        2.0,
+        ring_ab_4,
+        neg_mul_add(ring_ab_1, 3.095335045498523e-6 * ring_ab_1, 1.5476675227492616e-6),
     );
-    let ring_ab_17 = 0.0029294409016928746 * ring_ab_11;
-    let ring_ab_18 = ring_ab_11 * ring_ab_17;
-    let ring_ab_19 = ring_ab_13 * (7.303966671828719e-5 * sin_ring_pip);
-    let ring_ab_20 = neg_mul_add(
-        cos_ring_pip,
-        ring_ab_14,
-        4.037975712105879e-7 + ring_ab_19,
-    ) + neg_mul_add(ring_ab_1, ring_ab_12, 1.089483483347094e-7 + ring_ab_18);
-    matrix[32] = neg_mul_add(
-        sin_ring_mcp,
+    let ring_ab_6 = 0.00014832629789179408 * ring_ab_2;
+    let ring_ab_7 = 0.0414 * cos_ring_mcp;
+    let ring_ab_8 = mul_add(
+        2.0,
+        ring_ab_7 * (ring_ab_6 + ring_ab_3),
         neg_mul_add(
             sin_ring_mcp,
-            4.6933499864261383e-7 + ring_ab_20,
-            cos_ring_mcp * ring_ab_15,
+            2.1149213624841585e-5 * sin_ring_mcp,
+            1.0574606812420793e-5,
         ),
-        cos_ring_mcp * ring_ab_16,
     );
-    let ring_mcp_1 = 1.089483483347094e-7 + mul_add(ring_ab_3, ring_ab_4, ring_ab_18);
-    let ring_mcp_2 = 4.037975712105879e-7 + mul_add(ring_ab_7, ring_ab_8, ring_ab_19)
-        + ring_mcp_1;
-    matrix[37] = 6.855419880173114e-6 + ring_mcp_2;
-    let ring_mcp_3 = ring_ab_8 + ring_ab_4;
-    let ring_mcp_4 = neg_mul_add(0.0414, ring_mcp_3, ring_mcp_2);
-    matrix[38] = ring_mcp_4;
-    let ring_mcp_5 = ring_mcp_1 - mul_add(ring_ab_10, ring_ab_17, ring_ab_2 * ring_ab_4);
-    matrix[39] = ring_mcp_5;
-    matrix[41] = ring_mcp_4;
-    matrix[42] = mul_add(0.0414, 0.0003565973126403644 - ring_mcp_3, ring_mcp_4);
-    let ring_pip_1 = mul_sub(0.0029294409016928746, ring_ab_2, ring_ab_4);
-    let ring_pip_2 = mul_add(0.0414, ring_pip_1, ring_mcp_5);
-    matrix[43] = ring_pip_2;
-    matrix[45] = ring_mcp_5;
-    matrix[46] = ring_pip_2;
-    let ring_dip_1 = mul_add(
-        ring_ab_10,
-        mul_sub(7.528663117350688e-5, sin_ring_pip, ring_ab_17),
-        ring_ab_2 * ring_pip_1,
-    );
-    matrix[47] = ring_mcp_5 + ring_dip_1;
+    let ring_ab_9 = mul_add(cos_ring_dip, ring_ab_1, sin_ring_dip * ring_ab_2);
+    matrix[32] = neg_mul_add(
+        ring_ab_9,
+        2.5636513811014907e-7 * ring_ab_9,
+        1.2818256905507453e-7,
+    ) + (1.29734518691604e-5 + ring_ab_8 + ring_ab_5);
+    let ring_mcp_1 = 2.5339663799643364e-5 * ring_ab_9;
+    let ring_mcp_2 = mul_add(0.0257 * ring_ab_1, ring_mcp_1, ring_ab_4);
+    let ring_mcp_3 = 3.2813644020162447e-7 + ring_mcp_2;
+    let ring_mcp_4 = 3.277223709699705e-6 + ring_mcp_2 + ring_mcp_3;
+    let ring_mcp_5 = 0.0414 * sin_ring_mcp;
+    let ring_mcp_6 = mul_add(ring_mcp_5, ring_mcp_1, ring_ab_7 * ring_ab_3);
+    let ring_mcp_7 = mul_add(
+        ring_mcp_5,
+        0.00014832629789179408 * ring_ab_1,
+        ring_ab_7 * ring_ab_6,
+    ) + ring_mcp_6;
+    let ring_mcp_8 = ring_mcp_7 + ring_mcp_4;
+    matrix[37] = 2.16185486234842e-5 + ring_mcp_7 + ring_mcp_8;
+    matrix[38] = ring_mcp_8;
+    let ring_mcp_9 = ring_mcp_6 + ring_mcp_3;
+    matrix[39] = ring_mcp_9;
+    matrix[41] = ring_mcp_8;
+    matrix[42] = ring_mcp_4;
+    matrix[43] = ring_mcp_3;
+    matrix[45] = ring_mcp_9;
+    matrix[46] = ring_mcp_3;
+    matrix[47] = 3.2813644020162447e-7;
 }

@@ -5,7 +5,7 @@
 use crate::layout::{
     COORDINATES, MATRIX, PARAMETERS, STRANDS, coordinate, parameter, strand,
 };
-use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::math::{cos, mul_add, mul_sub, neg_mul_add, sin, sin_cos, sqrt};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
 ///
@@ -17,7 +17,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 ///
 /// Torques: `motor` (squeezer.hdl:77).
 ///
-/// 90 operations: 7 sums, 35 products, 21 products with sum, 1 division, 1 root, 4 sines and cosines.
+/// 59 operations: 8 sums, 29 products, 8 products with sum, 1 division, 1 root, 4 sines and cosines.
 pub fn evaluate(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -41,62 +41,43 @@ pub fn evaluate(
     let c0 = params[parameter::C0];
     let rest_spring = rest[strand::SPRING];
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(0.0115, cos_theta, 0.007);
-    let beta_2 = 0.00365 * beta_1;
-    let beta_3 = 4.1975e-5 * sin_theta;
-    let beta_4 = 4.41e-7 + mul_add(beta_1, beta_2, 0.0115 * sin_theta * beta_3);
-    let beta_5 = v_beta + v_theta;
-    let beta_6 = mul_sub(beta_5, beta_4, 0.007 * v_theta * beta_2);
-    momentum[coordinate::BETA] = mul_add(2.2306068000000004e-6, v_beta, beta_6);
-    momentum[coordinate::THETA] = neg_mul_add(
-        0.007,
-        neg_mul_add(2.555e-5, v_theta, beta_5 * beta_2),
-        beta_6,
-    );
+    let beta_1 = 4.1975e-5 * cos_theta;
+    let beta_2 = v_beta + v_theta;
+    let beta_3 = 0.007 * v_beta;
+    let beta_4 = neg_mul_add(beta_3, beta_1, 9.237125e-7 * beta_2);
+    momentum[coordinate::BETA] = beta_4
+        + neg_mul_add(0.007, beta_2 * beta_1, 2.4094568000000004e-6 * v_beta);
+    momentum[coordinate::THETA] = beta_4;
     momentum[coordinate::GAMMA] = 1.6170147425e-5 * v_gamma;
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(0.00579, sin_phi, 0.04);
-    let delta_2 = 0.00706 * delta_1;
-    let delta_3 = 4.08774e-5 * cos_phi;
-    let delta_4 = 5.667e-7 + mul_add(delta_1, delta_2, 0.00579 * cos_phi * delta_3);
-    let delta_5 = v_delta + v_phi;
-    let delta_6 = mul_sub(delta_5, delta_4, 0.04 * v_phi * delta_2);
-    momentum[coordinate::DELTA] = mul_add(5.5159736e-5, v_delta, delta_6);
-    momentum[coordinate::PHI] = neg_mul_add(
-        0.04,
-        neg_mul_add(0.00028240000000000003, v_phi, delta_5 * delta_2),
-        delta_6,
-    );
+    let delta_1 = 4.08774e-5 * sin_phi;
+    let delta_2 = v_delta + v_phi;
+    let delta_3 = 0.04 * v_delta;
+    let delta_4 = mul_add(delta_3, delta_1, 8.03380146e-7 * delta_2);
+    momentum[coordinate::DELTA] = delta_4
+        + mul_add(0.04, delta_2 * delta_1, 6.6455736e-5 * v_delta);
+    momentum[coordinate::PHI] = delta_4;
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(0.00579, sin_omega, -0.04);
-    let epsilon_2 = 0.00706 * epsilon_1;
-    let epsilon_3 = 4.08774e-5 * cos_omega;
-    let epsilon_4 = 5.667e-7
-        + mul_add(0.00579 * cos_omega, epsilon_3, epsilon_1 * epsilon_2);
-    let epsilon_5 = v_epsilon + v_omega;
-    let epsilon_6 = mul_add(epsilon_5, epsilon_4, 0.04 * v_omega * epsilon_2);
-    momentum[coordinate::EPSILON] = mul_add(2.851929833e-5, v_epsilon, epsilon_6);
-    momentum[coordinate::OMEGA] = mul_add(
-        0.04,
-        mul_add(0.00028240000000000003, v_omega, epsilon_5 * epsilon_2),
-        epsilon_6,
-    );
+    let epsilon_1 = 4.08774e-5 * sin_omega;
+    let epsilon_2 = v_epsilon + v_omega;
+    let epsilon_3 = 0.04 * v_epsilon;
+    let epsilon_4 = neg_mul_add(epsilon_3, epsilon_1, 8.03380146e-7 * epsilon_2);
+    momentum[coordinate::EPSILON] = epsilon_4
+        + neg_mul_add(0.04, epsilon_2 * epsilon_1, 3.981529833e-5 * v_epsilon);
+    momentum[coordinate::OMEGA] = epsilon_4;
     force[coordinate::BETA] = mom;
-    force[coordinate::THETA] = 0.007 * v_beta * (beta_5 * beta_3);
+    force[coordinate::THETA] = beta_3 * (beta_2 * (4.1975e-5 * sin_theta));
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = neg_mul_add(
-        2.0,
-        mul_add(0.00030014000000000017, cos_gamma, 0.0016917 * sin_gamma),
-        0.0048012554,
+    let spring_1 = sqrt(
+        0.0048012554 - mul_add(0.0006002800000000003, cos_gamma, 0.0033834 * sin_gamma),
     );
-    let spring_2 = sqrt(spring_1);
-    let spring_3 = mul_sub(0.00030014000000000017, sin_gamma, 0.0016917 * cos_gamma)
-        / spring_2;
-    force[coordinate::GAMMA] = -(spring_3 * (c0 * (spring_2 - rest_spring)));
+    let spring_2 = mul_sub(0.00030014000000000017, sin_gamma, 0.0016917 * cos_gamma)
+        / spring_1;
+    force[coordinate::GAMMA] = -(spring_2 * (c0 * (spring_1 - rest_spring)));
     force[coordinate::DELTA] = 0.0;
-    force[coordinate::PHI] = 0.04 * v_delta * (delta_5 * delta_3);
+    force[coordinate::PHI] = delta_3 * (delta_2 * (4.08774e-5 * cos_phi));
     force[coordinate::EPSILON] = 0.0;
-    force[coordinate::OMEGA] = -(0.04 * v_epsilon * (epsilon_5 * epsilon_3));
+    force[coordinate::OMEGA] = -(epsilon_3 * (epsilon_2 * (4.08774e-5 * cos_omega)));
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -109,7 +90,7 @@ pub fn evaluate(
 ///
 /// Torques: `motor` (squeezer.hdl:77).
 ///
-/// 167 operations: 13 sums, 57 products, 45 products with sum, 2 divisions, 1 root, 4 sines and cosines.
+/// 130 operations: 20 sums, 51 products, 26 products with sum, 2 divisions, 1 root, 4 sines and cosines.
 pub fn evaluate_with_matrix(
     q: &[f64; COORDINATES],
     v: &[f64; COORDINATES],
@@ -135,99 +116,86 @@ pub fn evaluate_with_matrix(
     let c0 = params[parameter::C0];
     let rest_spring = rest[strand::SPRING];
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(0.0115, cos_theta, 0.007);
-    let beta_2 = 0.00365 * beta_1;
-    let beta_3 = 4.1975e-5 * sin_theta;
-    let beta_4 = mul_add(beta_1, beta_2, 0.0115 * sin_theta * beta_3);
-    let beta_5 = 4.41e-7 + beta_4;
-    let beta_6 = v_beta + v_theta;
-    let beta_7 = mul_sub(beta_6, beta_5, 0.007 * v_theta * beta_2);
-    momentum[coordinate::BETA] = mul_add(2.2306068000000004e-6, v_beta, beta_7);
-    let theta_1 = neg_mul_add(2.555e-5, v_theta, beta_6 * beta_2);
-    momentum[coordinate::THETA] = neg_mul_add(0.007, theta_1, beta_7);
+    let beta_1 = 4.1975e-5 * cos_theta;
+    let beta_2 = v_beta + v_theta;
+    let beta_3 = beta_2 * beta_1;
+    let beta_4 = 0.007 * v_beta;
+    let beta_5 = neg_mul_add(beta_4, beta_1, 9.237125e-7 * beta_2);
+    momentum[coordinate::BETA] = beta_5
+        + neg_mul_add(0.007, beta_3, 2.4094568000000004e-6 * v_beta);
+    momentum[coordinate::THETA] = beta_5;
     momentum[coordinate::GAMMA] = 1.6170147425e-5 * v_gamma;
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(0.00579, sin_phi, 0.04);
-    let delta_2 = 0.00706 * delta_1;
-    let delta_3 = 4.08774e-5 * cos_phi;
-    let delta_4 = mul_add(delta_1, delta_2, 0.00579 * cos_phi * delta_3);
-    let delta_5 = 5.667e-7 + delta_4;
-    let delta_6 = v_delta + v_phi;
-    let delta_7 = mul_sub(delta_6, delta_5, 0.04 * v_phi * delta_2);
-    momentum[coordinate::DELTA] = mul_add(5.5159736e-5, v_delta, delta_7);
-    let phi_1 = neg_mul_add(0.00028240000000000003, v_phi, delta_6 * delta_2);
-    momentum[coordinate::PHI] = neg_mul_add(0.04, phi_1, delta_7);
+    let delta_1 = 4.08774e-5 * sin_phi;
+    let delta_2 = v_delta + v_phi;
+    let delta_3 = delta_2 * delta_1;
+    let delta_4 = 0.04 * v_delta;
+    let delta_5 = mul_add(delta_4, delta_1, 8.03380146e-7 * delta_2);
+    momentum[coordinate::DELTA] = delta_5
+        + mul_add(0.04, delta_3, 6.6455736e-5 * v_delta);
+    momentum[coordinate::PHI] = delta_5;
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(0.00579, sin_omega, -0.04);
-    let epsilon_2 = 0.00706 * epsilon_1;
-    let epsilon_3 = 4.08774e-5 * cos_omega;
-    let epsilon_4 = mul_add(0.00579 * cos_omega, epsilon_3, epsilon_1 * epsilon_2);
-    let epsilon_5 = 5.667e-7 + epsilon_4;
-    let epsilon_6 = v_epsilon + v_omega;
-    let epsilon_7 = mul_add(epsilon_6, epsilon_5, 0.04 * v_omega * epsilon_2);
-    momentum[coordinate::EPSILON] = mul_add(2.851929833e-5, v_epsilon, epsilon_7);
-    let omega_1 = mul_add(0.00028240000000000003, v_omega, epsilon_6 * epsilon_2);
-    momentum[coordinate::OMEGA] = mul_add(0.04, omega_1, epsilon_7);
+    let epsilon_1 = 4.08774e-5 * sin_omega;
+    let epsilon_2 = v_epsilon + v_omega;
+    let epsilon_3 = epsilon_2 * epsilon_1;
+    let epsilon_4 = 0.04 * v_epsilon;
+    let epsilon_5 = neg_mul_add(epsilon_4, epsilon_1, 8.03380146e-7 * epsilon_2);
+    momentum[coordinate::EPSILON] = epsilon_5
+        + neg_mul_add(0.04, epsilon_3, 3.981529833e-5 * v_epsilon);
+    momentum[coordinate::OMEGA] = epsilon_5;
     force[coordinate::BETA] = mom;
-    let theta_2 = beta_6 * beta_3;
-    let theta_3 = 0.007 * v_beta;
-    force[coordinate::THETA] = theta_3 * theta_2;
+    force[coordinate::THETA] = beta_4 * (beta_2 * (4.1975e-5 * sin_theta));
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = mul_add(0.00030014000000000017, cos_gamma, 0.0016917 * sin_gamma);
-    let spring_2 = sqrt(neg_mul_add(2.0, spring_1, 0.0048012554));
+    let spring_1 = mul_add(0.0006002800000000003, cos_gamma, 0.0033834 * sin_gamma);
+    let spring_2 = sqrt(0.0048012554 - spring_1);
     let spring_3 = 1.0 / spring_2;
     let spring_4 = spring_3
         * mul_sub(0.00030014000000000017, sin_gamma, 0.0016917 * cos_gamma);
     let spring_5 = c0 * (spring_2 - rest_spring);
     force[coordinate::GAMMA] = -(spring_4 * spring_5);
     force[coordinate::DELTA] = 0.0;
-    let phi_2 = delta_6 * delta_3;
-    let phi_3 = 0.04 * v_delta;
-    force[coordinate::PHI] = phi_3 * phi_2;
+    force[coordinate::PHI] = delta_4 * (delta_2 * (4.08774e-5 * cos_phi));
     force[coordinate::EPSILON] = 0.0;
-    let omega_2 = epsilon_6 * epsilon_3;
-    let omega_3 = 0.04 * v_epsilon;
-    force[coordinate::OMEGA] = -(omega_3 * omega_2);
-    let beta_8 = 1.0 / h;
-    matrix[0] = -((2.6716068000000005e-6 + beta_4) * beta_8);
-    let beta_9 = beta_8 * neg_mul_add(2.555e-5, beta_1, beta_5);
-    let beta_10 = mul_add(theta_3, beta_3, 0.007 * theta_2);
-    matrix[1] = -mul_add(0.5, beta_10, beta_9);
-    matrix[7] = mul_sub(0.5, beta_10, beta_9);
+    force[coordinate::OMEGA] = -(epsilon_4 * (epsilon_2 * (4.08774e-5 * cos_omega)));
     let spring_6 = 0.25 * h;
-    matrix[8] = mul_add(
-        theta_3,
-        spring_6 * mul_sub(2.555e-5, v_beta, theta_1),
-        mul_sub(0.007, beta_8 * (-2.555e-5 + beta_2), beta_9),
+    let beta_6 = spring_6 * (beta_4 * beta_3);
+    let beta_7 = 1.0 / h;
+    let beta_8 = mul_sub(beta_7, 2.93825e-7 * cos_theta, beta_6);
+    let beta_9 = neg_mul_add(9.237125e-7, beta_7, beta_6);
+    let beta_10 = beta_8 + beta_9;
+    matrix[0] = neg_mul_add(2.4094568000000004e-6, beta_7, beta_6) + beta_8 + beta_10;
+    let beta_11 = 0.5 * (v_beta + beta_2);
+    let beta_12 = 2.93825e-7 * sin_theta;
+    matrix[1] = neg_mul_add(beta_12, beta_11, beta_10);
+    matrix[7] = mul_add(beta_12, beta_11, beta_10);
+    matrix[8] = beta_9;
+    let spring_7 = spring_3 * (spring_6 * spring_5);
+    let spring_8 = mul_add(
+        spring_4,
+        spring_4 * mul_sub(c0, spring_6, spring_7),
+        0.5 * spring_1 * spring_7,
     );
-    let spring_7 = spring_3 * neg_mul_add(spring_4, spring_4, spring_1)
-        * (spring_6 * spring_5);
-    let gamma_1 = mul_add(
-        1.6170147425e-5,
-        beta_8,
-        mul_add(spring_4, spring_4 * (c0 * spring_6), spring_7),
-    );
-    matrix[16] = -gamma_1;
-    matrix[24] = -(beta_8 * (5.5726436e-5 + delta_4));
-    let delta_8 = beta_8 * neg_mul_add(0.00028240000000000003, delta_1, delta_5);
-    let delta_9 = mul_add(phi_3, delta_3, 0.04 * phi_2);
-    matrix[25] = -mul_add(0.5, delta_9, delta_8);
-    matrix[31] = mul_sub(0.5, delta_9, delta_8);
-    matrix[32] = mul_add(
-        phi_3,
-        spring_6 * mul_sub(0.00028240000000000003, v_delta, phi_1),
-        mul_sub(0.04, beta_8 * (-0.00028240000000000003 + delta_2), delta_8),
-    );
-    matrix[40] = -(beta_8 * (2.9085998329999998e-5 + epsilon_4));
-    let epsilon_8 = beta_8 * mul_add(0.00028240000000000003, epsilon_1, epsilon_5);
-    let epsilon_9 = mul_add(omega_3, epsilon_3, 0.04 * omega_2);
-    matrix[41] = mul_sub(0.5, epsilon_9, epsilon_8);
-    matrix[47] = -mul_add(0.5, epsilon_9, epsilon_8);
-    matrix[48] = mul_add(
-        omega_3,
-        spring_6 * mul_add(0.00028240000000000003, v_epsilon, omega_1),
-        mul_sub(0.04, beta_8 * (-0.00028240000000000003 - epsilon_2), epsilon_8),
-    );
+    matrix[16] = -mul_add(1.6170147425e-5, beta_7, spring_8);
+    let delta_6 = spring_6 * (delta_4 * delta_3);
+    let delta_7 = neg_mul_add(beta_7, 1.6350960000000001e-6 * sin_phi, delta_6);
+    let delta_8 = mul_add(8.03380146e-7, beta_7, delta_6);
+    let delta_9 = delta_7 - delta_8;
+    matrix[24] = delta_7 - mul_add(6.6455736e-5, beta_7, delta_6) + delta_9;
+    let delta_10 = 0.5 * (v_delta + delta_2);
+    let delta_11 = 1.6350960000000001e-6 * cos_phi;
+    matrix[25] = neg_mul_add(delta_11, delta_10, delta_9);
+    matrix[31] = mul_add(delta_11, delta_10, delta_9);
+    matrix[32] = -delta_8;
+    let epsilon_6 = spring_6 * (epsilon_4 * epsilon_3);
+    let epsilon_7 = mul_sub(beta_7, 1.6350960000000001e-6 * sin_omega, epsilon_6);
+    let epsilon_8 = neg_mul_add(8.03380146e-7, beta_7, epsilon_6);
+    let epsilon_9 = epsilon_7 + epsilon_8;
+    matrix[40] = neg_mul_add(3.981529833e-5, beta_7, epsilon_6) + epsilon_7 + epsilon_9;
+    let epsilon_10 = 0.5 * (v_epsilon + epsilon_2);
+    let epsilon_11 = 1.6350960000000001e-6 * cos_omega;
+    matrix[41] = mul_add(epsilon_11, epsilon_10, epsilon_9);
+    matrix[47] = neg_mul_add(epsilon_11, epsilon_10, epsilon_9);
+    matrix[48] = epsilon_8;
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -240,41 +208,29 @@ pub fn evaluate_with_matrix(
 ///
 /// Torques: `motor` (squeezer.hdl:77).
 ///
-/// 48 operations: 9 sums, 12 products, 12 products with sum, 3 sines and cosines.
+/// 18 operations: 3 sums, 6 products with sum, 3 sines and cosines.
 pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     let q_theta = q[coordinate::THETA];
     let q_phi = q[coordinate::PHI];
     let q_omega = q[coordinate::OMEGA];
-    let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(0.0115, cos_theta, 0.007);
-    let beta_2 = 0.00365 * beta_1;
-    let beta_3 = mul_add(beta_1, beta_2, 0.0115 * sin_theta * (4.1975e-5 * sin_theta));
-    matrix[0] = 2.6716068000000005e-6 + beta_3;
-    let beta_4 = neg_mul_add(2.555e-5, beta_1, 4.41e-7 + beta_3);
-    matrix[1] = beta_4;
-    matrix[7] = beta_4;
-    matrix[8] = neg_mul_add(0.007, -2.555e-5 + beta_2, beta_4);
+    let cos_theta = cos(q_theta);
+    let beta_1 = neg_mul_add(2.93825e-7, cos_theta, 9.237125e-7);
+    matrix[0] = neg_mul_add(2.93825e-7, cos_theta, 2.4094568000000004e-6) + beta_1;
+    matrix[1] = beta_1;
+    matrix[7] = beta_1;
+    matrix[8] = 9.237125e-7;
     matrix[16] = 1.6170147425e-5;
-    let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(0.00579, sin_phi, 0.04);
-    let delta_2 = 0.00706 * delta_1;
-    let delta_3 = mul_add(delta_1, delta_2, 0.00579 * cos_phi * (4.08774e-5 * cos_phi));
-    matrix[24] = 5.5726436e-5 + delta_3;
-    let delta_4 = neg_mul_add(0.00028240000000000003, delta_1, 5.667e-7 + delta_3);
-    matrix[25] = delta_4;
-    matrix[31] = delta_4;
-    matrix[32] = neg_mul_add(0.04, -0.00028240000000000003 + delta_2, delta_4);
-    let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(0.00579, sin_omega, -0.04);
-    let epsilon_2 = 0.00706 * epsilon_1;
-    let epsilon_3 = mul_add(
-        0.00579 * cos_omega,
-        4.08774e-5 * cos_omega,
-        epsilon_1 * epsilon_2,
-    );
-    matrix[40] = 2.9085998329999998e-5 + epsilon_3;
-    let epsilon_4 = mul_add(0.00028240000000000003, epsilon_1, 5.667e-7 + epsilon_3);
-    matrix[41] = epsilon_4;
-    matrix[47] = epsilon_4;
-    matrix[48] = neg_mul_add(0.04, -0.00028240000000000003 - epsilon_2, epsilon_4);
+    let sin_phi = sin(q_phi);
+    let delta_1 = mul_add(1.6350960000000001e-6, sin_phi, 8.03380146e-7);
+    matrix[24] = mul_add(1.6350960000000001e-6, sin_phi, 6.6455736e-5) + delta_1;
+    matrix[25] = delta_1;
+    matrix[31] = delta_1;
+    matrix[32] = 8.03380146e-7;
+    let sin_omega = sin(q_omega);
+    let epsilon_1 = neg_mul_add(1.6350960000000001e-6, sin_omega, 8.03380146e-7);
+    matrix[40] = neg_mul_add(1.6350960000000001e-6, sin_omega, 3.981529833e-5)
+        + epsilon_1;
+    matrix[41] = epsilon_1;
+    matrix[47] = epsilon_1;
+    matrix[48] = 8.03380146e-7;
 }

@@ -121,6 +121,7 @@ impl<S: Scalar> Mechanics<'_, S> {
 
     /// Adds what a run that has been moved does to its own coordinates, and the matrix between them
     /// and those of its ancestors.
+    #[inline(never)]
     pub(crate) fn add_run(
         &self,
         workspace: &mut Workspace<S>,
@@ -171,23 +172,17 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
         sum_even(&mut scratch.even, run.links.len());
         sum_odd(&mut scratch.odd, run.links.len());
-        let coordinate = |link: u32| self.structure.coordinate_of[link as usize];
-        for (i, &link) in run.links.iter().enumerate() {
-            let row = coordinate(link);
-            for (j, &before) in run.links[..i].iter().enumerate() {
-                let (even, odd) = (scratch.even[entry(i, j)], scratch.odd[entry(i, j)]);
-                terms.add_pair(self.structure, row, coordinate(before), even, odd);
-            }
-            terms.add(self.structure, row, row, scratch.even[entry(i, i)]);
+        for (pair, (&even, &odd)) in run.inner.iter().zip(scratch.even.iter().zip(&scratch.odd)) {
+            terms.add_pair(*pair, even, odd);
         }
+        let mut outer = run.outer.iter();
         for &ancestor in &run.ancestors {
             let (screw, screw_dot) = workspace.inertia.screws(ancestor);
             let (screw, screw_dot) = (workspace.run.see(screw), workspace.run.see(screw_dot));
             let lean = gravity.map(|g| g.cross(screw.angular));
-            let column = coordinate(ancestor);
             let (mut even, mut odd) = (S::zero(), S::zero());
             let links = workspace.run.links.iter().zip(&numbers.links);
-            for (&link, (turned, numbers)) in run.links.iter().zip(links).rev() {
+            for (turned, numbers) in links.rev() {
                 let (dv, dq) = (turned.momentum_dv(numbers.polar), turned.momentum_dq());
                 let mut stiffness = screw_dot.dot(&dq);
                 if let Some(lean) = lean {
@@ -195,7 +190,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 }
                 even += stiffness * quarter - screw.dot(&dv) * by_h;
                 odd += (screw.dot(&dq) - screw_dot.dot(&dv)).scale(0.5);
-                terms.add_pair(self.structure, coordinate(link), column, even, odd);
+                terms.add_pair(outer.next().copied().flatten(), even, odd);
             }
         }
     }
