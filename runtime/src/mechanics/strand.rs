@@ -62,7 +62,6 @@ impl<S: Scalar> Mechanics<'_, S> {
     /// Subtracts k·x_i x_j + f·x_ij of the strand just evaluated, below the diagonals of `matrix`.
     /// With d_ij = (D_ij − d_i d_j)/d, the products of a pair that only one segment crosses are
     /// taken together, (k − f/d)·d_i d_j + (f/d)·D_ij.
-    #[inline(never)]
     fn add_stiffness(
         &self,
         workspace: &Workspace<S>,

@@ -121,7 +121,6 @@ impl<S: Scalar> Mechanics<'_, S> {
 
     /// Adds what a run that has been moved does to its own coordinates, and the matrix between them
     /// and those of its ancestors.
-    #[inline(never)]
     pub(crate) fn add_run(
         &self,
         workspace: &mut Workspace<S>,
