@@ -11,6 +11,7 @@ pub mod interpreter;
 pub mod mechanics;
 pub mod mechanism;
 pub mod resolved;
+pub mod run;
 pub mod structure;
 pub mod vector;
 

@@ -7,14 +7,20 @@ use crate::expression::Variable;
 use crate::mechanism::{
     ConstraintKind, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
 };
+use crate::run::{ResolvedRun, find_runs};
+use crate::structure::{PathStep, path_between};
 use crate::vector::{Mat3, Transform, Vec3};
 use handc_core::scalar::Scalar;
 
 /// A unit axis; the coordinate axes are told apart so that rotations about them stay cheap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Axis<S> {
-    /// A coordinate axis: 0, 1 or 2.
-    Principal(usize),
+    /// (1, 0, 0).
+    X,
+    /// (0, 1, 0).
+    Y,
+    /// (0, 0, 1).
+    Z,
     /// Any unit vector.
     General(Vec3<S>),
 }
@@ -23,12 +29,11 @@ impl<S: Scalar> Axis<S> {
     /// As a vector.
     #[inline]
     pub fn vector(&self) -> Vec3<S> {
+        let (o, l) = (S::zero(), S::one());
         match *self {
-            Axis::Principal(i) => {
-                let mut v = Vec3::zero();
-                v.0[i] = S::one();
-                v
-            }
+            Axis::X => Vec3([l, o, o]),
+            Axis::Y => Vec3([o, l, o]),
+            Axis::Z => Vec3([o, o, l]),
             Axis::General(v) => v,
         }
     }
@@ -37,17 +42,41 @@ impl<S: Scalar> Axis<S> {
     pub fn cross(&self, v: Vec3<S>) -> Vec3<S> {
         let [x, y, z] = v.0;
         match *self {
-            Axis::Principal(0) => Vec3([S::zero(), -z, y]),
-            Axis::Principal(1) => Vec3([z, S::zero(), -x]),
-            Axis::Principal(_) => Vec3([-y, x, S::zero()]),
+            Axis::X => Vec3([S::zero(), -z, y]),
+            Axis::Y => Vec3([z, S::zero(), -x]),
+            Axis::Z => Vec3([-y, x, S::zero()]),
             Axis::General(a) => a.cross(v),
+        }
+    }
+    /// Axis · (u × v).
+    #[inline]
+    pub fn triple(&self, u: Vec3<S>, v: Vec3<S>) -> S {
+        let ([a, b, c], [x, y, z]) = (u.0, v.0);
+        match *self {
+            Axis::X => b * z - c * y,
+            Axis::Y => c * x - a * z,
+            Axis::Z => a * y - b * x,
+            Axis::General(axis) => axis.dot(u.cross(v)),
+        }
+    }
+    /// (Axis × u) · (axis × v).
+    #[inline]
+    pub fn across(&self, u: Vec3<S>, v: Vec3<S>) -> S {
+        let ([a, b, c], [x, y, z]) = (u.0, v.0);
+        match *self {
+            Axis::X => b * y + c * z,
+            Axis::Y => c * z + a * x,
+            Axis::Z => a * x + b * y,
+            Axis::General(axis) => axis.cross(u).dot(axis.cross(v)),
         }
     }
     /// Axis · v.
     #[inline]
     pub fn dot(&self, v: Vec3<S>) -> S {
         match *self {
-            Axis::Principal(i) => v.0[i],
+            Axis::X => v.0[0],
+            Axis::Y => v.0[1],
+            Axis::Z => v.0[2],
             Axis::General(a) => a.dot(v),
         }
     }
@@ -90,8 +119,49 @@ pub struct ResolvedStrand<S> {
     pub stiffness: S,
     /// Sum of the segments within one link.
     pub constant_length: S,
-    /// End points of the moving segments in their links' axes.
-    pub segments: Vec<(Vec3<S>, Vec3<S>)>,
+    /// The moving segments.
+    pub segments: Vec<ResolvedSegment<S>>,
+}
+
+/// The numbers of a moving segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ResolvedSegment<S> {
+    /// Over the hinge of a link.
+    Hinge(u32, Hinge<S>),
+    /// Over one hinge on each side, about axes that are coordinate axes in the middle.
+    HingePair(HingeEnd<S>, HingeEnd<S>),
+    /// Its end points in their links' axes.
+    Ends(Vec3<S>, Vec3<S>),
+}
+
+/// d² = `constant` − 2(`cosine`·cos q + `sine`·sin q).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hinge<S> {
+    /// Share of the cosine.
+    pub cosine: S,
+    /// Share of the sine.
+    pub sine: S,
+    /// Twice the first.
+    pub twice_cosine: S,
+    /// Twice the second.
+    pub twice_sine: S,
+    /// The rest.
+    pub constant: S,
+}
+
+/// An end of a segment, with a hinge between it and the middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HingeEnd<S> {
+    /// The link of the hinge.
+    pub link: u32,
+    /// Its axis.
+    pub axis: Axis<S>,
+    /// The point, from the joint and in its axes, as far as they do not move against it.
+    pub point: Vec3<S>,
+    /// Whether the point moves with the link and the middle does not.
+    pub is_carried: bool,
+    /// The joint in the middle's axes.
+    pub origin: Vec3<S>,
 }
 
 /// Springs, limits and damping of a coordinate.
@@ -118,10 +188,12 @@ pub struct Resolved<S> {
     pub joints: Vec<Joint<S>>,
     /// Lumped matter of each link, if any.
     pub lumps: Vec<Option<Lump<S>>>,
+    /// Planar runs.
+    pub runs: Vec<ResolvedRun<S>>,
     /// Strands.
     pub strands: Vec<ResolvedStrand<S>>,
-    /// Coordinates.
-    pub coordinates: Vec<ResolvedCoordinate<S>>,
+    /// What acts on a coordinate alone, and on which.
+    pub coordinates: Vec<(usize, ResolvedCoordinate<S>)>,
 }
 
 impl<S: Scalar> Resolved<S> {
@@ -141,6 +213,7 @@ impl<S: Scalar> Resolved<S> {
             gravity: None,
             joints: Vec::new(),
             lumps: Vec::new(),
+            runs: Vec::new(),
             strands: Vec::new(),
             coordinates: Vec::new(),
         };
@@ -154,9 +227,15 @@ impl<S: Scalar> Resolved<S> {
             .collect();
         resolved.lumps =
             (0..mechanism.links.len()).map(|link| resolved.lump(mechanism, link as u32)).collect();
-        resolved.strands = mechanism.strands.iter().map(|s| resolved.strand(s)).collect();
-        resolved.coordinates =
-            mechanism.coordinates.iter().map(|c| resolved.coordinate(c)).collect();
+        resolved.runs = find_runs(mechanism)
+            .iter()
+            .map(|run| ResolvedRun::new(run, &resolved.joints, &resolved.lumps))
+            .collect();
+        resolved.strands =
+            mechanism.strands.iter().map(|s| resolved.strand(mechanism, s)).collect();
+        let coordinates = mechanism.coordinates.iter().enumerate();
+        let coordinates = coordinates.filter_map(|(i, c)| Some((i, resolved.coordinate(c)?)));
+        resolved.coordinates = coordinates.collect();
         resolved
     }
 
@@ -185,12 +264,15 @@ impl<S: Scalar> Resolved<S> {
             Motion::Prismatic { axis } => (axis, false, Some(S::one())),
             Motion::Screw { axis, pitch } => (axis, true, Some(self.number(*pitch))),
         };
-        let principal = (0..3)
-            .find(|&i| (0..3).all(|j| axis[j] == Number::Constant(if i == j { 1.0 } else { 0.0 })));
         let is_identity = parent_from_joint.rotation == NumberTransform::IDENTITY.rotation;
         let transform = self.transform(parent_from_joint);
         Joint {
-            axis: principal.map_or_else(|| Axis::General(self.vector(axis)), Axis::Principal),
+            axis: match principal_axis(axis) {
+                Some(0) => Axis::X,
+                Some(1) => Axis::Y,
+                Some(_) => Axis::Z,
+                None => Axis::General(self.vector(axis)),
+            },
             rotates,
             advance,
             rotation: (!is_identity).then_some(transform.rotation),
@@ -252,7 +334,72 @@ impl<S: Scalar> Resolved<S> {
             is_isotropic: false,
         })
     }
-    fn strand(&self, strand: &crate::mechanism::Strand) -> ResolvedStrand<S> {
+    fn segment(
+        &self,
+        (first, a): (&[PathStep], Vec3<S>),
+        (second, b): (&[PathStep], Vec3<S>),
+    ) -> ResolvedSegment<S> {
+        let is_hinge = |step: PathStep| {
+            let joint = &self.joints[step.link() as usize];
+            joint.rotates && joint.advance.is_none()
+        };
+        match (first, second) {
+            ([], [step @ PathStep::Up(link)]) if is_hinge(*step) => {
+                ResolvedSegment::Hinge(*link, self.hinge(*link, a, b))
+            }
+            ([], [step @ PathStep::Down(link)]) if is_hinge(*step) => {
+                ResolvedSegment::Hinge(*link, self.hinge(*link, b, a))
+            }
+            ([x], [y]) => match (self.hinge_end(*x, a), self.hinge_end(*y, b)) {
+                (Some(first), Some(second)) => ResolvedSegment::HingePair(first, second),
+                _ => ResolvedSegment::Ends(a, b),
+            },
+            _ => ResolvedSegment::Ends(a, b),
+        }
+    }
+    fn hinge_end(&self, step: PathStep, point: Vec3<S>) -> Option<HingeEnd<S>> {
+        let link = step.link();
+        let joint = &self.joints[link as usize];
+        if !joint.rotates || joint.advance.is_some() || matches!(joint.axis, Axis::General(_)) {
+            return None;
+        }
+        let (axis, is_carried) = (joint.axis, matches!(step, PathStep::Up(_)));
+        match joint.rotation {
+            // Its frame turned in its parent turns the axis.
+            Some(_) if is_carried => None,
+            _ if is_carried => {
+                Some(HingeEnd { link, axis, point, is_carried, origin: joint.origin })
+            }
+            rotation => {
+                let p = point - joint.origin;
+                let point = rotation.map_or(p, |rotation| rotation.transpose_mul(p));
+                Some(HingeEnd { link, axis, point, is_carried, origin: Vec3::zero() })
+            }
+        }
+    }
+    /// A segment from `parent` on one side of a hinge to `child` on the other.
+    fn hinge(&self, link: u32, parent: Vec3<S>, child: Vec3<S>) -> Hinge<S> {
+        let joint = &self.joints[link as usize];
+        let mut a = parent - joint.origin;
+        if let Some(rotation) = joint.rotation {
+            a = rotation.transpose_mul(a);
+        }
+        let b = child;
+        let along = joint.axis.dot(a) * joint.axis.dot(b);
+        let (cosine, sine) = (a.dot(b) - along, joint.axis.dot(b.cross(a)));
+        Hinge {
+            cosine,
+            sine,
+            twice_cosine: cosine.scale(2.0),
+            twice_sine: sine.scale(2.0),
+            constant: a.norm_squared() + b.norm_squared() - along.scale(2.0),
+        }
+    }
+    fn strand(
+        &self,
+        mechanism: &Mechanism,
+        strand: &crate::mechanism::Strand,
+    ) -> ResolvedStrand<S> {
         let mut constant_length = S::zero();
         let mut segments = Vec::new();
         for pair in strand.points.windows(2) {
@@ -260,25 +407,33 @@ impl<S: Scalar> Resolved<S> {
             if pair[0].link == pair[1].link {
                 constant_length += (b - a).norm_squared().sqrt();
             } else {
-                segments.push((a, b));
+                let [first, second] = path_between(mechanism, pair[0].link, pair[1].link);
+                segments.push(self.segment((&first, a), (&second, b)));
             }
         }
         ResolvedStrand { stiffness: self.number(strand.stiffness), constant_length, segments }
     }
-    fn coordinate(&self, c: &crate::mechanism::Coordinate) -> ResolvedCoordinate<S> {
+    fn coordinate(&self, c: &crate::mechanism::Coordinate) -> Option<ResolvedCoordinate<S>> {
         let some = |n: Number| (!n.is_zero()).then(|| self.number(n));
-        ResolvedCoordinate {
+        let is_free = c.damping.is_zero() && c.stiffness.is_zero() && c.limit_stiffness.is_zero();
+        (!is_free).then(|| ResolvedCoordinate {
             damping: some(c.damping),
             spring: some(c.stiffness).map(|k| (k, self.number(c.rest))),
             stops: some(c.limit_stiffness)
                 .zip(c.limits)
                 .map(|(k, [low, high])| (k, self.number(low), self.number(high))),
-        }
+        })
     }
 }
 
 fn deviator<S: Scalar>([xx, yy, zz, xy, xz, yz]: [S; 6], isotropic: S) -> Mat3<S> {
     Mat3([[xx - isotropic, xy, xz], [xy, yy - isotropic, yz], [xz, yz, zz - isotropic]])
+}
+
+/// Which coordinate axis it is, if it is one.
+pub fn principal_axis(axis: &NumberVector) -> Option<usize> {
+    let unit = |i: usize, j: usize| Number::Constant(if i == j { 1.0 } else { 0.0 });
+    (0..3).find(|&i| (0..3).all(|j| axis[j] == unit(i, j)))
 }
 
 /// The points of a constraint that are given by position, for those that walk over constraints.

@@ -5,9 +5,11 @@
 //! segment, which coordinates a step couples.
 
 use crate::expression::{Function, Variable};
-use crate::mechanism::{ConstraintKind, Mechanism, Motion};
+use crate::mechanism::{ConstraintKind, Mechanism, Motion, Strand};
 use crate::resolved::constraint_points;
+use crate::run::find_runs;
 use handc_core::layout::Block;
+use std::ops::Range;
 
 /// A step along the path from one end of a segment to the frame in which it is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +38,9 @@ pub struct SegmentPath {
     pub second: Vec<PathStep>,
     /// Positions of the joints crossed, first side then second, among the strand's coordinates.
     pub positions: Vec<usize>,
+    /// Where each pair (i, j), j ≤ i, of joints crossed stands in a packed matrix, below the
+    /// diagonal; `None` if a coordinate is kinematic.
+    pub slots: Vec<Option<usize>>,
 }
 
 /// A strand's moving segments and the coordinates they span.
@@ -43,22 +48,56 @@ pub struct SegmentPath {
 pub struct StrandPath {
     /// Coordinates, each once, ascending.
     pub coordinates: Vec<usize>,
+    /// Where its derivatives stand among those of all strands.
+    pub span: Range<usize>,
     /// Moving segments in order.
     pub segments: Vec<SegmentPath>,
-    /// Where the entries (i, j) and (j, i), j ≤ i, of its stiffness stand in a packed matrix, row by
-    /// row of the lower triangle; `None` if a coordinate is kinematic.
-    pub slots: Vec<Option<(usize, usize)>>,
+    /// Whether no coordinate is crossed by two segments.
+    pub crosses_once: bool,
+    /// Pairs of coordinates, by position, whose stiffness is not that of one segment alone, and
+    /// where they stand in a packed matrix, below the diagonal.
+    pub apart: Vec<(usize, usize, usize)>,
 }
 
 /// A tree of links on the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
-    /// Links, parents first.
+    /// Links outside runs, parents first.
     pub links: Vec<u32>,
+    /// Its runs, by number.
+    pub runs: Vec<usize>,
     /// The link in whose axes the tree's momenta are expressed; `None` is the world.
     pub hub: Option<u32>,
+    /// A run on the hub in whose axes, at its first joint, they are expressed instead.
+    pub base: Option<usize>,
     /// Links from the root to the hub, hub included.
     pub trunk: Vec<u32>,
+}
+
+/// Where the entries (i, j) and (j, i) of a packed matrix stand, as their even and odd part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pair {
+    /// Slot below the diagonal.
+    pub even: usize,
+    /// Slot above it.
+    pub odd: usize,
+    /// Whether (i, j) is the one above.
+    pub is_above: bool,
+}
+
+/// A planar run; see [`crate::run`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Links from base to tip.
+    pub links: Vec<u32>,
+    /// The link that carries it; `None` is the world.
+    pub parent: Option<u32>,
+    /// Links from the parent to the root.
+    pub ancestors: Vec<u32>,
+    /// Pairs of links (i, j), j ≤ i; `None` if a coordinate is kinematic.
+    pub inner: Vec<Option<Pair>>,
+    /// Pairs of a link, tip first, and an ancestor, ancestor by ancestor.
+    pub outer: Vec<Option<Pair>>,
 }
 
 /// The shape of a mechanism.
@@ -74,6 +113,8 @@ pub struct Structure {
     pub link_of: Vec<u32>,
     /// Whether the link or one below it has matter.
     pub has_mass_below: Vec<bool>,
+    /// Planar runs.
+    pub runs: Vec<Run>,
     /// Trees with matter.
     pub trees: Vec<Tree>,
     /// Paths of the strands.
@@ -100,17 +141,6 @@ impl Structure {
         for (link, &coordinate) in coordinate_of.iter().enumerate() {
             link_of[coordinate] = link as u32;
         }
-        let mut has_mass_below = vec![false; count];
-        for body in &mechanism.bodies {
-            if let Some(link) = body.link {
-                has_mass_below[link as usize] = true;
-            }
-        }
-        for link in (0..count).rev() {
-            if let (true, Some(parent)) = (has_mass_below[link], parents[link]) {
-                has_mass_below[parent as usize] = true;
-            }
-        }
         let mut first_row = vec![0];
         for constraint in &mechanism.constraints {
             first_row.push(first_row.last().unwrap_or(&0) + constraint.row_suffixes().len());
@@ -120,7 +150,8 @@ impl Structure {
             parents,
             coordinate_of,
             link_of,
-            has_mass_below,
+            has_mass_below: mass_below(mechanism),
+            runs: Vec::new(),
             trees: Vec::new(),
             strands: Vec::new(),
             world_links: vec![false; count],
@@ -129,25 +160,57 @@ impl Structure {
             row_slots: vec![None; first_row[mechanism.constraints.len()]],
             first_row,
         };
+        structure.runs = structure.find_runs(mechanism);
         structure.find_trees(mechanism);
         structure.strands =
-            mechanism.strands.iter().map(|strand| structure.strand_path(strand)).collect();
+            mechanism.strands.iter().map(|s| structure.strand_path(mechanism, s)).collect();
+        let mut end = 0;
+        for path in &mut structure.strands {
+            path.span = end..end + path.coordinates.len();
+            end = path.span.end;
+        }
         structure.mark_world_links(mechanism);
         structure.find_blocks(mechanism);
         structure.find_strand_slots();
+        structure.find_run_pairs();
         structure
     }
 
-    fn find_strand_slots(&mut self) {
-        let slots_of = |path: &StrandPath| {
-            let c = &path.coordinates;
-            let pairs = (0..c.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-            pairs.map(|(i, j)| Some((self.slot(c[i], c[j])?, self.slot(c[j], c[i])?))).collect()
-        };
-        let slots: Vec<_> = self.strands.iter().map(slots_of).collect();
-        for (path, slots) in self.strands.iter_mut().zip(slots) {
-            path.slots = slots;
+    fn find_run_pairs(&mut self) {
+        let mut runs = std::mem::take(&mut self.runs);
+        for run in &mut runs {
+            let pair = |a: &u32, b: &u32| {
+                self.pair(self.coordinate_of[*a as usize], self.coordinate_of[*b as usize])
+            };
+            let links = &run.links;
+            let inner = links.iter().enumerate();
+            run.inner = inner.flat_map(|(i, a)| links[..=i].iter().map(|b| pair(a, b))).collect();
+            let outer = run.ancestors.iter();
+            run.outer = outer.flat_map(|b| links.iter().rev().map(|a| pair(a, b))).collect();
         }
+        self.runs = runs;
+    }
+
+    fn find_strand_slots(&mut self) {
+        let mut strands = std::mem::take(&mut self.strands);
+        for path in &mut strands {
+            let c = &path.coordinates;
+            let slot = |i: usize, j: usize| self.slot(c[i.max(j)], c[i.min(j)]);
+            let pairs = |count: usize| (0..count).flat_map(|i| (0..=i).map(move |j| (i, j)));
+            let crossings = path.segments.iter().map(|segment| segment.positions.len());
+            path.crosses_once = crossings.sum::<usize>() == c.len();
+            let covered = |i: usize, j: usize| {
+                let covers = |p: &Vec<usize>| p.contains(&i) && p.contains(&j);
+                path.crosses_once && path.segments.iter().any(|s| covers(&s.positions))
+            };
+            let apart = pairs(c.len()).filter(|&(i, j)| !covered(i, j));
+            path.apart = apart.filter_map(|(i, j)| Some((i, j, slot(i, j)?))).collect();
+            for segment in &mut path.segments {
+                let p = &segment.positions;
+                segment.slots = pairs(p.len()).map(|(i, j)| slot(p[i], p[j])).collect();
+            }
+        }
+        self.strands = strands;
     }
 
     /// Links from `link` to the root, `link` first; empty for the world.
@@ -172,6 +235,14 @@ impl Structure {
         Some(block.matrix_offset + row * block.coordinates.len() + column)
     }
 
+    /// Where (i, j) and (j, i) stand in a packed matrix.
+    #[inline]
+    pub fn pair(&self, i: usize, j: usize) -> Option<Pair> {
+        let (slot, mirrored) = (self.slot(i, j)?, self.slot(j, i)?);
+        let (even, odd) = (slot.max(mirrored), slot.min(mirrored));
+        Some(Pair { even, odd, is_above: slot < mirrored })
+    }
+
     /// Position of (row, coordinate) in a packed constraint Jacobian.
     #[inline]
     pub fn row_slot(&self, row: usize, coordinate: usize) -> Option<usize> {
@@ -183,6 +254,15 @@ impl Structure {
         Some(block.constraint_offset + i * block.coordinates.len() + j)
     }
 
+    fn find_runs(&self, mechanism: &Mechanism) -> Vec<Run> {
+        let runs = find_runs(mechanism).into_iter().map(|links| {
+            let parent = self.parents[links[0] as usize];
+            let (inner, outer) = (Vec::new(), Vec::new());
+            Run { links, parent, ancestors: self.chain(parent), inner, outer }
+        });
+        runs.collect()
+    }
+
     fn find_trees(&mut self, mechanism: &Mechanism) {
         let roots: Vec<u32> =
             (0..self.count as u32).filter(|&l| self.parents[l as usize].is_none()).collect();
@@ -190,20 +270,25 @@ impl Structure {
             if !self.has_mass_below[root as usize] {
                 continue;
             }
+            let in_tree = |link: u32| self.chain(Some(link)).contains(&root);
+            let in_run = |link: u32| self.runs.iter().any(|run| run.links.contains(&link));
             let links: Vec<u32> = (0..self.count as u32)
-                .filter(|&l| self.has_mass_below[l as usize] && self.chain(Some(l)).contains(&root))
+                .filter(|&l| self.has_mass_below[l as usize] && in_tree(l) && !in_run(l))
                 .collect();
-            let hub = self.hub(mechanism, root);
+            let runs = (0..self.runs.len()).filter(|&run| in_tree(self.runs[run].links[0]));
+            let runs = runs.collect();
+            let (hub, base) = self.hub(mechanism, root);
             let mut trunk = self.chain(hub);
             trunk.reverse();
-            self.trees.push(Tree { links, hub, trunk });
+            self.trees.push(Tree { links, runs, hub, base, trunk });
         }
     }
 
     /// The link whose axes make the tree's momenta cheapest: the first with matter or a fork, where
     /// inertia is constant; for a single body on sliders first, the frame the sliders carry, where
-    /// its linear momentum is constant times its rate.
-    fn hub(&self, mechanism: &Mechanism, root: u32) -> Option<u32> {
+    /// its linear momentum is constant times its rate. Where a run comes first, what carries it, and
+    /// the run.
+    fn hub(&self, mechanism: &Mechanism, root: u32) -> (Option<u32>, Option<usize>) {
         let children = |link: u32| -> Vec<u32> {
             (0..self.count as u32)
                 .filter(|&l| {
@@ -219,8 +304,11 @@ impl Structure {
             }
             anchor = below[0];
         }
+        if let Some(run) = self.runs.iter().position(|run| run.links.contains(&anchor)) {
+            return (self.runs[run].parent, Some(run));
+        }
         if !children(anchor).is_empty() {
-            return Some(anchor);
+            return (Some(anchor), None);
         }
         let mut slider = None;
         for &link in self.chain(Some(anchor)).iter().rev() {
@@ -229,21 +317,22 @@ impl Structure {
                 _ => break,
             }
         }
-        slider.or(Some(anchor))
+        (slider.or(Some(anchor)), None)
     }
 
-    fn strand_path(&self, strand: &crate::mechanism::Strand) -> StrandPath {
+    fn strand_path(&self, mechanism: &Mechanism, strand: &Strand) -> StrandPath {
         let mut coordinates = Vec::new();
         let mut segments = Vec::new();
         for pair in strand.points.windows(2) {
             if pair[0].link == pair[1].link {
                 continue;
             }
-            let path = self.segment_path(pair[0].link, pair[1].link);
-            for step in path.first.iter().chain(&path.second) {
+            let [first, second] = path_between(mechanism, pair[0].link, pair[1].link);
+            for step in first.iter().chain(&second) {
                 coordinates.push(self.coordinate_of[step.link() as usize]);
             }
-            segments.push(path);
+            let (positions, slots) = (Vec::new(), Vec::new());
+            segments.push(SegmentPath { first, second, positions, slots });
         }
         coordinates.sort_unstable();
         coordinates.dedup();
@@ -257,35 +346,7 @@ impl Structure {
                 })
                 .collect();
         }
-        StrandPath { coordinates, segments, slots: Vec::new() }
-    }
-
-    /// The joints between two links, split so that both ends cross about as many.
-    pub fn segment_path(&self, first: Option<u32>, second: Option<u32>) -> SegmentPath {
-        let (mut up, mut down) = (self.chain(first), self.chain(second));
-        while let (Some(a), Some(b)) = (up.last(), down.last()) {
-            if a != b {
-                break;
-            }
-            up.pop();
-            down.pop();
-        }
-        // The whole path from first to second: up to the common ancestor, then down.
-        let whole: Vec<PathStep> = up
-            .iter()
-            .map(|&l| PathStep::Up(l))
-            .chain(down.iter().rev().map(|&l| PathStep::Down(l)))
-            .collect();
-        let middle = whole.len() / 2;
-        let reversed = |step: &PathStep| match *step {
-            PathStep::Up(l) => PathStep::Down(l),
-            PathStep::Down(l) => PathStep::Up(l),
-        };
-        SegmentPath {
-            first: whole[..middle].to_vec(),
-            second: whole[middle..].iter().rev().map(reversed).collect(),
-            positions: Vec::new(),
-        }
+        StrandPath { coordinates, span: 0..0, segments, crosses_once: false, apart: Vec::new() }
     }
 
     fn mark_world_links(&mut self, mechanism: &Mechanism) {
@@ -414,6 +475,50 @@ impl Structure {
             constraint_offset += block.coordinates.len() * block.rows.len();
         }
     }
+}
+
+/// Links from `link` to the root, `link` first; empty for the world.
+fn chain(mechanism: &Mechanism, link: Option<u32>) -> Vec<u32> {
+    std::iter::successors(link, |&link| mechanism.links[link as usize].parent).collect()
+}
+
+/// The joints from the ends of a segment to its middle, split so that both cross about as many.
+pub fn path_between(
+    mechanism: &Mechanism,
+    first: Option<u32>,
+    second: Option<u32>,
+) -> [Vec<PathStep>; 2] {
+    let (mut up, mut down) = (chain(mechanism, first), chain(mechanism, second));
+    while let (Some(a), Some(b)) = (up.last(), down.last()) {
+        if a != b {
+            break;
+        }
+        up.pop();
+        down.pop();
+    }
+    // The whole path from first to second: up to the common ancestor, then down.
+    let up = up.iter().map(|&l| PathStep::Up(l));
+    let whole: Vec<PathStep> = up.chain(down.iter().rev().map(|&l| PathStep::Down(l))).collect();
+    let middle = whole.len() / 2;
+    let reversed = |step: &PathStep| match *step {
+        PathStep::Up(l) => PathStep::Down(l),
+        PathStep::Down(l) => PathStep::Up(l),
+    };
+    [whole[..middle].to_vec(), whole[middle..].iter().rev().map(reversed).collect()]
+}
+
+/// Which links, or one below them, have matter.
+pub fn mass_below(mechanism: &Mechanism) -> Vec<bool> {
+    let mut has_mass_below = vec![false; mechanism.links.len()];
+    for link in mechanism.bodies.iter().filter_map(|body| body.link) {
+        has_mass_below[link as usize] = true;
+    }
+    for (link, l) in mechanism.links.iter().enumerate().rev() {
+        if let (true, Some(parent)) = (has_mass_below[link], l.parent) {
+            has_mass_below[parent as usize] = true;
+        }
+    }
+    has_mass_below
 }
 
 /// Connected components of coordinates that share a group: a representative per coordinate.

@@ -212,7 +212,8 @@ fn the_hub_does_not_matter() {
             for hub in links.into_iter().map(Some).chain([None]) {
                 let mut trunk = other.structure.chain(hub);
                 trunk.reverse();
-                (other.structure.trees[tree].hub, other.structure.trees[tree].trunk) = (hub, trunk);
+                let tree = &mut other.structure.trees[tree];
+                (tree.hub, tree.base, tree.trunk) = (hub, None, trunk);
                 let (p, f) = evaluate(&other, &place.at());
                 let (name, n) = (&oracle.mechanism.name, p.len());
                 worst = worst.max(compare("momentum", name, n, &p, &momentum));

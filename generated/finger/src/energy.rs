@@ -3,11 +3,11 @@
 //! Energy.
 
 use crate::layout::{COORDINATES, PARAMETERS, STRANDS, coordinate, parameter, strand};
-use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::math::{mul_add, mul_sub, sin_cos, sqrt};
 
 /// Potential energy (J): gravity, strands, springs and elastic limits.
 ///
-/// 92 operations: 14 sums, 19 products, 23 products with sum, 10 roots, 3 sines and cosines.
+/// 82 operations: 24 sums, 19 products, 13 products with sum, 10 roots, 3 sines and cosines.
 pub fn potential(
     q: &[f64; COORDINATES],
     rest: &[f64; STRANDS],
@@ -24,73 +24,54 @@ pub fn potential(
     let rest_edc = rest[strand::EDC];
     let rest_lumbrical = rest[strand::LUMBRICAL];
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = mul_add(
-        2.0,
-        mul_add(3.400000000000001e-5, cos_mcp, 0.000252 * sin_mcp),
-        0.000509,
+    let fdp_1 = sqrt(
+        0.000509 + mul_add(6.800000000000003e-5, cos_mcp, 0.000504 * sin_mcp),
     );
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let fdp_2 = mul_add(
-        2.0,
-        mul_add(3.059999999999993e-5, cos_pip, 0.00017189999999999995 * sin_pip),
-        0.00035188999999999983,
+    let fdp_2 = sqrt(
+        0.00035188999999999983
+            + mul_add(6.119999999999986e-5, cos_pip, 0.0003437999999999999 * sin_pip),
     );
     let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let fdp_3 = neg_mul_add(
-        2.0,
-        mul_sub(6.8000000000000094e-6, cos_dip, 7.69e-5 * sin_dip),
-        0.00015621,
+    let fdp_3 = sqrt(
+        0.00015621 - mul_sub(1.3600000000000019e-5, cos_dip, 0.0001538 * sin_dip),
     );
-    let fdp_4 = 0.07161627512154058 + sqrt(fdp_1) + sqrt(fdp_2) + sqrt(fdp_3);
-    let fdp_5 = fdp_4 - rest_fdp;
-    let fds_1 = neg_mul_add(
-        2.0,
-        mul_sub(1.1999999999999994e-5, cos_mcp, 0.00030000000000000003 * sin_mcp),
-        0.000601,
+    let fdp_4 = 0.07161627512154058 + fdp_1 + fdp_2 + fdp_3 - rest_fdp;
+    let fds_1 = sqrt(
+        0.000601
+            - mul_sub(2.3999999999999987e-5, cos_mcp, 0.0006000000000000001 * sin_mcp),
     );
-    let fds_2 = mul_add(
-        2.0,
-        mul_add(3.879999999999991e-5, cos_pip, 0.00019639999999999995 * sin_pip),
-        0.0004016399999999999,
+    let fds_2 = sqrt(
+        0.0004016399999999999
+            + mul_add(7.759999999999983e-5, cos_pip, 0.0003927999999999999 * sin_pip),
     );
-    let fds_3 = 0.06512765830525491 + sqrt(fds_1) + sqrt(fds_2) - rest_fds;
+    let fds_3 = 0.06512765830525491 + fds_1 + fds_2 - rest_fds;
     let energy_1 = mul_add(
         0.5,
-        fdp_5 * (k_flexor * fdp_5),
+        fdp_4 * (k_flexor * fdp_4),
         0.5 * (fds_3 * (k_flexor * fds_3)),
     );
-    let edc_1 = neg_mul_add(
-        2.0,
-        mul_add(0.0001065, cos_mcp, 6.45e-5 * sin_mcp),
-        0.00024925,
+    let edc_1 = sqrt(0.00024925 - mul_add(0.000213, cos_mcp, 0.000129 * sin_mcp));
+    let edc_2 = sqrt(
+        0.00016999999999999996
+            - mul_add(0.000154, cos_pip, 7.199999999999991e-5 * sin_pip),
     );
-    let edc_2 = neg_mul_add(
-        2.0,
-        mul_add(7.7e-5, cos_pip, 3.5999999999999953e-5 * sin_pip),
-        0.00016999999999999996,
+    let edc_3 = 0.09184108383968201 + edc_1 + edc_2 - rest_edc;
+    let lumbrical_1 = sqrt(
+        0.00018899999999999999 + mul_add(6.8e-5, cos_mcp, 0.000176 * sin_mcp),
     );
-    let edc_3 = 0.09184108383968201 + sqrt(edc_1) + sqrt(edc_2) - rest_edc;
-    let lumbrical_1 = mul_add(
-        2.0,
-        mul_add(3.4e-5, cos_mcp, 8.8e-5 * sin_mcp),
-        0.00018899999999999999,
+    let lumbrical_2 = sqrt(
+        8.999999999999998e-5
+            - mul_add(5.4000000000000025e-5, cos_pip, 7.199999999999995e-5 * sin_pip),
     );
-    let lumbrical_2 = neg_mul_add(
-        2.0,
-        mul_add(2.7000000000000013e-5, cos_pip, 3.5999999999999974e-5 * sin_pip),
-        8.999999999999998e-5,
+    let lumbrical_3 = sqrt(
+        9.25e-5 - mul_add(7.649999999999999e-5, cos_dip, 5.200000000000002e-5 * sin_dip),
     );
-    let lumbrical_3 = neg_mul_add(
-        2.0,
-        mul_add(3.8249999999999995e-5, cos_dip, 2.600000000000001e-5 * sin_dip),
-        9.25e-5,
-    );
-    let lumbrical_4 = 0.09024829243194461 + sqrt(lumbrical_1) + sqrt(lumbrical_2)
-        + sqrt(lumbrical_3);
-    let lumbrical_5 = lumbrical_4 - rest_lumbrical;
+    let lumbrical_4 = 0.09024829243194461 + lumbrical_1 + lumbrical_2 + lumbrical_3
+        - rest_lumbrical;
     mul_add(
         0.5,
-        lumbrical_5 * (k_lumbrical * lumbrical_5),
+        lumbrical_4 * (k_lumbrical * lumbrical_4),
         mul_add(0.5, edc_3 * (k_extensor * edc_3), energy_1),
     )
 }

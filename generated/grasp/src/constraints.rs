@@ -38,10 +38,10 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
     let q_ball_ry = q[coordinate::BALL_RY];
     let q_ball_rz = q[coordinate::BALL_RZ];
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
-    let index_pin_1 = neg_mul_add(
-        0.059964006479444595,
-        sin_index_ab,
-        0.9982005399352042 * cos_index_ab,
+    let index_pin_1 = mul_sub(
+        0.9982005399352042,
+        cos_index_ab,
+        0.059964006479444595 * sin_index_ab,
     );
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
     let index_pin_2 = sin_index_mcp * index_pin_1;
@@ -226,9 +226,9 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
     rows[row::MIDDLE_PIN_Z] = -middle_pin_19;
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_pin_1 = mul_add(
-        0.04997916927067833,
-        sin_ring_ab,
-        0.9987502603949663 * cos_ring_ab,
+        0.9987502603949663,
+        cos_ring_ab,
+        0.04997916927067833 * sin_ring_ab,
     );
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let ring_pin_2 = sin_ring_mcp * ring_pin_1;
@@ -295,9 +295,9 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
     rows[row::RING_PIN_Z] = -ring_pin_21;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_pin_1 = mul_add(
-        0.11971220728891936,
-        sin_little_ab,
-        0.9928086358538663 * cos_little_ab,
+        0.9928086358538663,
+        cos_little_ab,
+        0.11971220728891936 * sin_little_ab,
     );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
     let little_pin_2 = sin_little_mcp * little_pin_1;
@@ -391,19 +391,19 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
     let thumb_pin_1 = mul_sub(
         0.7495962650805187,
         cos_thumb_ab,
-        0.4759343948752794 * sin_thumb_ab,
+        0.47593439487527933 * sin_thumb_ab,
     );
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_pin_2 = neg_mul_add(
-        0.4599911859503816,
+        0.45999118595038163,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_pin_1,
     );
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let thumb_pin_3 = mul_add(
-        0.4599911859503816,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_pin_1,
+        cos_thumb_cmc,
+        thumb_pin_1,
+        0.45999118595038163 * sin_thumb_cmc,
     );
     let thumb_pin_4 = mul_sub(cos_thumb_mcp, thumb_pin_3, sin_thumb_mcp * thumb_pin_2);
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
@@ -427,17 +427,17 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
     let thumb_pin_9 = mul_add(
         0.6313762241158432,
         cos_thumb_ab,
-        0.30554924219653706 * sin_thumb_ab,
+        0.30554924219653695 * sin_thumb_ab,
     );
     let thumb_pin_10 = mul_add(
         0.7127437998427926,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_pin_9,
     );
-    let thumb_pin_11 = neg_mul_add(
-        0.7127437998427926,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_pin_9,
+    let thumb_pin_11 = mul_sub(
+        cos_thumb_cmc,
+        thumb_pin_9,
+        0.7127437998427926 * sin_thumb_cmc,
     );
     let thumb_pin_12 = mul_sub(
         cos_thumb_mcp,
@@ -471,14 +471,14 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
         0.8246975884333746 * sin_thumb_ab,
     );
     let thumb_pin_18 = mul_sub(
-        0.5295322319119196,
+        0.5295322319119194,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_pin_17,
     );
     let thumb_pin_19 = mul_add(
-        0.5295322319119196,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_pin_17,
+        cos_thumb_cmc,
+        thumb_pin_17,
+        0.5295322319119194 * sin_thumb_cmc,
     );
     let thumb_pin_20 = mul_add(
         cos_thumb_mcp,
@@ -575,10 +575,10 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     );
     let index_pin_12 = 0.039799999999999995 * sin_index_mcp;
     let index_pin_13 = mul_add(0.0224, index_pin_9, index_pin_12) + index_pin_11;
-    let index_pin_14 = neg_mul_add(
-        0.059964006479444595,
-        sin_index_ab,
-        0.9982005399352042 * cos_index_ab,
+    let index_pin_14 = mul_sub(
+        0.9982005399352042,
+        cos_index_ab,
+        0.059964006479444595 * sin_index_ab,
     );
     jacobian[1] = -(index_pin_14 * index_pin_13);
     let index_pin_15 = index_pin_12 - index_pin_13;
@@ -801,9 +801,9 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let ring_pin_12 = 0.0414 * sin_ring_mcp;
     let ring_pin_13 = mul_add(0.0257, ring_pin_9, ring_pin_12) + ring_pin_11;
     let ring_pin_14 = mul_add(
-        0.04997916927067833,
-        sin_ring_ab,
-        0.9987502603949663 * cos_ring_ab,
+        0.9987502603949663,
+        cos_ring_ab,
+        0.04997916927067833 * sin_ring_ab,
     );
     jacobian[165] = -(ring_pin_14 * ring_pin_13);
     let ring_pin_15 = ring_pin_12 - ring_pin_13;
@@ -909,9 +909,9 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let little_pin_12 = 0.0327 * sin_little_mcp;
     let little_pin_13 = mul_add(0.0181, little_pin_9, little_pin_12) + little_pin_11;
     let little_pin_14 = mul_add(
-        0.11971220728891936,
-        sin_little_ab,
-        0.9928086358538663 * cos_little_ab,
+        0.9928086358538663,
+        cos_little_ab,
+        0.11971220728891936 * sin_little_ab,
     );
     jacobian[247] = -(little_pin_14 * little_pin_13);
     let little_pin_15 = little_pin_12 - little_pin_13;
@@ -986,7 +986,7 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let thumb_pin_1 = mul_add(
         0.6313762241158432,
         cos_thumb_ab,
-        0.30554924219653706 * sin_thumb_ab,
+        0.30554924219653695 * sin_thumb_ab,
     );
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_pin_2 = mul_add(
@@ -995,10 +995,10 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
         sin_thumb_cmc * thumb_pin_1,
     );
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_pin_3 = neg_mul_add(
-        0.7127437998427926,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_pin_1,
+    let thumb_pin_3 = mul_sub(
+        cos_thumb_cmc,
+        thumb_pin_1,
+        0.7127437998427926 * sin_thumb_cmc,
     );
     let thumb_pin_4 = mul_sub(cos_thumb_mcp, thumb_pin_3, sin_thumb_mcp * thumb_pin_2);
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
@@ -1017,14 +1017,14 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
         0.8246975884333746 * sin_thumb_ab,
     );
     let thumb_pin_11 = mul_sub(
-        0.5295322319119196,
+        0.5295322319119194,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_pin_10,
     );
     let thumb_pin_12 = mul_add(
-        0.5295322319119196,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_pin_10,
+        cos_thumb_cmc,
+        thumb_pin_10,
+        0.5295322319119194 * sin_thumb_cmc,
     );
     let thumb_pin_13 = mul_add(
         cos_thumb_mcp,
@@ -1047,7 +1047,7 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     jacobian[328] = mul_sub(
         0.7127437998427926,
         thumb_pin_18,
-        0.5295322319119196 * thumb_pin_9,
+        0.5295322319119194 * thumb_pin_9,
     );
     let thumb_pin_19 = mul_sub(
         0.19866933079506122,
@@ -1057,7 +1057,7 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let thumb_pin_20 = neg_mul_add(
         0.6313762241158432,
         sin_thumb_ab,
-        0.30554924219653706 * cos_thumb_ab,
+        0.30554924219653695 * cos_thumb_ab,
     );
     jacobian[329] = mul_sub(thumb_pin_20, thumb_pin_18, thumb_pin_19 * thumb_pin_9);
     let thumb_pin_21 = thumb_pin_8 - thumb_pin_7;
@@ -1080,17 +1080,17 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let thumb_pin_25 = mul_sub(
         0.7495962650805187,
         cos_thumb_ab,
-        0.4759343948752794 * sin_thumb_ab,
+        0.47593439487527933 * sin_thumb_ab,
     );
     let thumb_pin_26 = neg_mul_add(
-        0.4599911859503816,
+        0.45999118595038163,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_pin_25,
     );
     let thumb_pin_27 = mul_add(
-        0.4599911859503816,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_pin_25,
+        cos_thumb_cmc,
+        thumb_pin_25,
+        0.45999118595038163 * sin_thumb_cmc,
     );
     let thumb_pin_28 = mul_sub(
         cos_thumb_mcp,
@@ -1111,14 +1111,14 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let thumb_pin_32 = mul_add(0.0316, thumb_pin_28, thumb_pin_31) + thumb_pin_30;
     let thumb_pin_33 = -0.01 + thumb_pin_32;
     jacobian[354] = mul_add(
-        0.5295322319119196,
+        0.5295322319119194,
         thumb_pin_33,
-        0.4599911859503816 * thumb_pin_18,
+        0.45999118595038163 * thumb_pin_18,
     );
     let thumb_pin_34 = mul_add(
         0.7495962650805187,
         sin_thumb_ab,
-        0.4759343948752794 * cos_thumb_ab,
+        0.47593439487527933 * cos_thumb_ab,
     );
     jacobian[355] = mul_add(thumb_pin_19, thumb_pin_33, thumb_pin_34 * thumb_pin_18);
     let thumb_pin_35 = thumb_pin_32 - thumb_pin_31;
@@ -1134,7 +1134,7 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     jacobian[362] = sin_ball_rx * thumb_pin_36;
     jacobian[363] = mul_add(index_pin_24, thumb_pin_36, sin_ball_ry * thumb_pin_24);
     jacobian[380] = -mul_add(
-        0.4599911859503816,
+        0.45999118595038163,
         thumb_pin_9,
         0.7127437998427926 * thumb_pin_33,
     );

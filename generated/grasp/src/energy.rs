@@ -7,7 +7,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 
 /// Potential energy (J): gravity, strands, springs and elastic limits.
 ///
-/// 907 operations: 132 sums, 192 products, 257 products with sum, 49 roots, 20 sines and cosines.
+/// 880 operations: 159 sums, 190 products, 231 products with sum, 49 roots, 20 sines and cosines.
 pub fn potential(
     q: &[f64; COORDINATES],
     rest: &[f64; STRANDS],
@@ -76,20 +76,21 @@ pub fn potential(
         mul_add(index_fdp_1, index_fdp_1, index_fdp_2 * index_fdp_2),
     );
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_fdp_5 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.1487999999999994e-5, cos_index_pip, 0.000172672 * sin_index_pip),
-        0.000354510464,
+    let index_fdp_5 = sqrt(
+        0.000354510464
+            - neg_mul_add(
+                6.297599999999999e-5,
+                cos_index_pip,
+                0.000345344 * sin_index_pip,
+            ),
     );
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_fdp_6 = neg_mul_add(
-        2.0,
-        mul_add(7.315840000000005e-6, cos_index_dip, 7.6342e-5 * sin_index_dip),
-        0.00015491888400000003,
+    let index_fdp_6 = sqrt(
+        0.00015491888400000003
+            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
     );
-    let index_fdp_7 = 0.12972844537042483 + sqrt(index_fdp_4) + sqrt(index_fdp_5)
-        + sqrt(index_fdp_6);
-    let index_fdp_8 = index_fdp_7 - rest_index_fdp;
+    let index_fdp_7 = 0.12972844537042483 + sqrt(index_fdp_4) + index_fdp_5 + index_fdp_6
+        - rest_index_fdp;
     let index_edc_1 = mul_add(
         0.002999999999999997,
         cos_index_ab,
@@ -106,20 +107,19 @@ pub fn potential(
         index_edc_3,
         mul_add(index_edc_1, index_edc_1, index_edc_2 * index_edc_2),
     );
-    let index_edc_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_index_pip,
-            3.6000000000000014e-5 * sin_index_pip,
-        ),
-        0.00016999999999999999,
+    let index_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_index_pip,
+                7.200000000000003e-5 * sin_index_pip,
+            ),
     );
-    let index_edc_6 = 0.14993665655140606 + sqrt(index_edc_4) + sqrt(index_edc_5)
+    let index_edc_6 = 0.14993665655140606 + sqrt(index_edc_4) + index_edc_5
         - rest_index_edc;
     let energy_1 = mul_add(
         0.5,
-        index_fdp_8 * (k_flexor * index_fdp_8),
+        index_fdp_7 * (k_flexor * index_fdp_7),
         0.5 * (index_edc_6 * (k_extensor * index_edc_6)),
     );
     let index_interosseous_1 = 0.008 * cos_index_mcp;
@@ -166,26 +166,23 @@ pub fn potential(
         index_band_3,
         mul_add(index_band_1, index_band_1, index_band_2 * index_band_2),
     );
-    let index_band_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_index_pip,
-            3.600000000000002e-5 * sin_index_pip,
-        ),
-        9.000000000000003e-5,
+    let index_band_5 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_index_pip,
+                7.200000000000004e-5 * sin_index_pip,
+            ),
     );
-    let index_band_6 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_index_dip, 2.5999999999999988e-5 * sin_index_dip),
-        9.649999999999999e-5,
+    let index_band_6 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_index_dip, 5.1999999999999976e-5 * sin_index_dip),
     );
-    let index_band_7 = 0.09421199494172741 + sqrt(index_band_4) + sqrt(index_band_5)
-        + sqrt(index_band_6);
-    let index_band_8 = index_band_7 - rest_index_band;
+    let index_band_7 = 0.09421199494172741 + sqrt(index_band_4) + index_band_5
+        + index_band_6 - rest_index_band;
     let energy_2 = mul_add(
         0.5,
-        index_band_8 * (k_intrinsic * index_band_8),
+        index_band_7 * (k_intrinsic * index_band_7),
         mul_add(
             0.5,
             index_interosseous_7 * (k_intrinsic * index_interosseous_7),
@@ -207,28 +204,25 @@ pub fn potential(
         mul_add(middle_fdp_1, middle_fdp_1, middle_fdp_2 * middle_fdp_2),
     );
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_fdp_5 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            4.9505999999999956e-5,
-            cos_middle_pip,
-            0.00018741399999999995 * sin_middle_pip,
-        ),
-        0.00038801411599999986,
+    let middle_fdp_5 = sqrt(
+        0.00038801411599999986
+            - neg_mul_add(
+                9.901199999999991e-5,
+                cos_middle_pip,
+                0.0003748279999999999 * sin_middle_pip,
+            ),
     );
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let middle_fdp_6 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            2.8467600000000052e-6,
-            cos_middle_dip,
-            8.681400000000001e-5 * sin_middle_dip,
-        ),
-        0.00017631659600000004,
+    let middle_fdp_6 = sqrt(
+        0.00017631659600000004
+            - neg_mul_add(
+                5.6935200000000105e-6,
+                cos_middle_dip,
+                0.00017362800000000003 * sin_middle_dip,
+            ),
     );
-    let middle_fdp_7 = 0.13218112782147726 + sqrt(middle_fdp_4) + sqrt(middle_fdp_5)
-        + sqrt(middle_fdp_6);
-    let middle_fdp_8 = middle_fdp_7 - rest_middle_fdp;
+    let middle_fdp_7 = 0.13218112782147726 + sqrt(middle_fdp_4) + middle_fdp_5
+        + middle_fdp_6 - rest_middle_fdp;
     let middle_edc_1 = mul_add(
         0.0030000000000000027,
         cos_middle_ab,
@@ -241,21 +235,20 @@ pub fn potential(
         middle_edc_3,
         mul_add(middle_edc_1, middle_edc_1, middle_edc_2 * middle_edc_2),
     );
-    let middle_edc_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_middle_pip,
-            3.6000000000000014e-5 * sin_middle_pip,
-        ),
-        0.00016999999999999999,
+    let middle_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_middle_pip,
+                7.200000000000003e-5 * sin_middle_pip,
+            ),
     );
-    let middle_edc_6 = 0.15123287910466324 + sqrt(middle_edc_4) + sqrt(middle_edc_5)
+    let middle_edc_6 = 0.15123287910466324 + sqrt(middle_edc_4) + middle_edc_5
         - rest_middle_edc;
     let energy_3 = mul_add(
         0.5,
         middle_edc_6 * (k_extensor * middle_edc_6),
-        mul_add(0.5, middle_fdp_8 * (k_flexor * middle_fdp_8), energy_2),
+        mul_add(0.5, middle_fdp_7 * (k_flexor * middle_fdp_7), energy_2),
     );
     let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
     let middle_interosseous_2 = 0.008 * cos_middle_mcp;
@@ -287,26 +280,23 @@ pub fn potential(
         middle_band_3,
         mul_add(middle_band_1, middle_band_1, middle_band_2 * middle_band_2),
     );
-    let middle_band_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_middle_pip,
-            3.600000000000002e-5 * sin_middle_pip,
-        ),
-        9.000000000000003e-5,
+    let middle_band_5 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_middle_pip,
+                7.200000000000004e-5 * sin_middle_pip,
+            ),
     );
-    let middle_band_6 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_middle_dip, 2.5999999999999988e-5 * sin_middle_dip),
-        9.649999999999999e-5,
+    let middle_band_6 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_middle_dip, 5.1999999999999976e-5 * sin_middle_dip),
     );
-    let middle_band_7 = 0.09905932921879514 + sqrt(middle_band_4) + sqrt(middle_band_5)
-        + sqrt(middle_band_6);
-    let middle_band_8 = middle_band_7 - rest_middle_band;
+    let middle_band_7 = 0.09905932921879514 + sqrt(middle_band_4) + middle_band_5
+        + middle_band_6 - rest_middle_band;
     let energy_4 = mul_add(
         0.5,
-        middle_band_8 * (k_intrinsic * middle_band_8),
+        middle_band_7 * (k_intrinsic * middle_band_7),
         mul_add(
             0.5,
             middle_interosseous_9 * (k_intrinsic * middle_interosseous_9),
@@ -332,20 +322,17 @@ pub fn potential(
         mul_add(ring_fdp_1, ring_fdp_1, ring_fdp_2 * ring_fdp_2),
     );
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_fdp_5 = neg_mul_add(
-        2.0,
-        neg_mul_add(4.673399999999999e-5, cos_ring_pip, 0.000185146 * sin_ring_pip),
-        0.00038251043599999996,
+    let ring_fdp_5 = sqrt(
+        0.00038251043599999996
+            - neg_mul_add(9.346799999999998e-5, cos_ring_pip, 0.000370292 * sin_ring_pip),
     );
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let ring_fdp_6 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.571779999999996e-6, cos_ring_dip, 8.5561e-5 * sin_ring_dip),
-        0.00017344544100000002,
+    let ring_fdp_6 = sqrt(
+        0.00017344544100000002
+            - neg_mul_add(3.143559999999992e-6, cos_ring_dip, 0.000171122 * sin_ring_dip),
     );
-    let ring_fdp_7 = 0.1222069424434041 + sqrt(ring_fdp_4) + sqrt(ring_fdp_5)
-        + sqrt(ring_fdp_6);
-    let ring_fdp_8 = ring_fdp_7 - rest_ring_fdp;
+    let ring_fdp_7 = 0.1222069424434041 + sqrt(ring_fdp_4) + ring_fdp_5 + ring_fdp_6
+        - rest_ring_fdp;
     let ring_edc_1 = mul_add(
         0.003000000000000002,
         cos_ring_ab,
@@ -362,21 +349,19 @@ pub fn potential(
         ring_edc_3,
         mul_add(ring_edc_1, ring_edc_1, ring_edc_2 * ring_edc_2),
     );
-    let ring_edc_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_ring_pip,
-            3.6000000000000014e-5 * sin_ring_pip,
-        ),
-        0.00016999999999999999,
+    let ring_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_ring_pip,
+                7.200000000000003e-5 * sin_ring_pip,
+            ),
     );
-    let ring_edc_6 = 0.14143565528020308 + sqrt(ring_edc_4) + sqrt(ring_edc_5)
-        - rest_ring_edc;
+    let ring_edc_6 = 0.14143565528020308 + sqrt(ring_edc_4) + ring_edc_5 - rest_ring_edc;
     let energy_5 = mul_add(
         0.5,
         ring_edc_6 * (k_extensor * ring_edc_6),
-        mul_add(0.5, ring_fdp_8 * (k_flexor * ring_fdp_8), energy_4),
+        mul_add(0.5, ring_fdp_7 * (k_flexor * ring_fdp_7), energy_4),
     );
     let ring_interosseous_1 = 0.008 * cos_ring_mcp;
     let ring_interosseous_2 = mul_add(
@@ -413,30 +398,27 @@ pub fn potential(
         ring_band_3,
         mul_add(ring_band_1, ring_band_1, ring_band_2 * ring_band_2),
     );
-    let ring_band_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_ring_pip,
-            3.600000000000002e-5 * sin_ring_pip,
-        ),
-        9.000000000000003e-5,
+    let ring_band_5 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_ring_pip,
+                7.200000000000004e-5 * sin_ring_pip,
+            ),
     );
-    let ring_band_6 = neg_mul_add(
-        2.0,
-        mul_sub(
-            3.8249999999999995e-5,
-            cos_ring_dip,
-            2.600000000000001e-5 * sin_ring_dip,
-        ),
-        9.65e-5,
+    let ring_band_6 = sqrt(
+        9.65e-5
+            - mul_sub(
+                7.649999999999999e-5,
+                cos_ring_dip,
+                5.200000000000002e-5 * sin_ring_dip,
+            ),
     );
-    let ring_band_7 = 0.08891202891001955 + sqrt(ring_band_4) + sqrt(ring_band_5)
-        + sqrt(ring_band_6);
-    let ring_band_8 = ring_band_7 - rest_ring_band;
+    let ring_band_7 = 0.08891202891001955 + sqrt(ring_band_4) + ring_band_5 + ring_band_6
+        - rest_ring_band;
     let energy_6 = mul_add(
         0.5,
-        ring_band_8 * (k_intrinsic * ring_band_8),
+        ring_band_7 * (k_intrinsic * ring_band_7),
         mul_add(0.5, ring_interosseous_7 * (k_intrinsic * ring_interosseous_7), energy_5),
     );
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
@@ -455,20 +437,25 @@ pub fn potential(
         mul_add(little_fdp_1, little_fdp_1, little_fdp_2 * little_fdp_2),
     );
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_fdp_5 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.1621999999999991e-5, cos_little_pip, 0.000156418 * sin_little_pip),
-        0.000323790404,
+    let little_fdp_5 = sqrt(
+        0.000323790404
+            - neg_mul_add(
+                2.3243999999999983e-5,
+                cos_little_pip,
+                0.000312836 * sin_little_pip,
+            ),
     );
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let little_fdp_6 = neg_mul_add(
-        2.0,
-        mul_add(1.3619199999999997e-5, cos_little_dip, 6.9608e-5 * sin_little_dip),
-        0.00014204462400000002,
+    let little_fdp_6 = sqrt(
+        0.00014204462400000002
+            - mul_add(
+                2.7238399999999993e-5,
+                cos_little_dip,
+                0.000139216 * sin_little_dip,
+            ),
     );
-    let little_fdp_7 = 0.1069781758046222 + sqrt(little_fdp_4) + sqrt(little_fdp_5)
-        + sqrt(little_fdp_6);
-    let little_fdp_8 = little_fdp_7 - rest_little_fdp;
+    let little_fdp_7 = 0.1069781758046222 + sqrt(little_fdp_4) + little_fdp_5
+        + little_fdp_6 - rest_little_fdp;
     let little_edc_1 = mul_add(
         0.003000000000000003,
         cos_little_ab,
@@ -485,21 +472,20 @@ pub fn potential(
         little_edc_3,
         mul_add(little_edc_1, little_edc_1, little_edc_2 * little_edc_2),
     );
-    let little_edc_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_little_pip,
-            3.6000000000000014e-5 * sin_little_pip,
-        ),
-        0.00016999999999999999,
+    let little_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_little_pip,
+                7.200000000000003e-5 * sin_little_pip,
+            ),
     );
-    let little_edc_6 = 0.12844554910897665 + sqrt(little_edc_4) + sqrt(little_edc_5)
+    let little_edc_6 = 0.12844554910897665 + sqrt(little_edc_4) + little_edc_5
         - rest_little_edc;
     let energy_7 = mul_add(
         0.5,
         little_edc_6 * (k_extensor * little_edc_6),
-        mul_add(0.5, little_fdp_8 * (k_flexor * little_fdp_8), energy_6),
+        mul_add(0.5, little_fdp_7 * (k_flexor * little_fdp_7), energy_6),
     );
     let little_interosseous_1 = 0.008 * cos_little_mcp;
     let little_interosseous_2 = mul_add(
@@ -537,22 +523,19 @@ pub fn potential(
         little_band_3,
         mul_add(little_band_1, little_band_1, little_band_2 * little_band_2),
     );
-    let little_band_5 = neg_mul_add(
-        2.0,
-        mul_sub(2.7e-5, cos_little_pip, 3.5999999999999994e-5 * sin_little_pip),
-        8.999999999999998e-5,
+    let little_band_5 = sqrt(
+        8.999999999999998e-5
+            - mul_sub(5.4e-5, cos_little_pip, 7.199999999999999e-5 * sin_little_pip),
     );
-    let little_band_6 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_little_dip, 2.5999999999999988e-5 * sin_little_dip),
-        9.649999999999999e-5,
+    let little_band_6 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_little_dip, 5.1999999999999976e-5 * sin_little_dip),
     );
-    let little_band_7 = 0.06932376200206641 + sqrt(little_band_4) + sqrt(little_band_5)
-        + sqrt(little_band_6);
-    let little_band_8 = little_band_7 - rest_little_band;
+    let little_band_7 = 0.06932376200206641 + sqrt(little_band_4) + little_band_5
+        + little_band_6 - rest_little_band;
     let energy_8 = mul_add(
         0.5,
-        little_band_8 * (k_intrinsic * little_band_8),
+        little_band_7 * (k_intrinsic * little_band_7),
         mul_add(
             0.5,
             little_interosseous_7 * (k_intrinsic * little_interosseous_7),
@@ -563,17 +546,10 @@ pub fn potential(
     let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
     let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_fpl_3 = mul_add(
-        0.008000000000000004,
-        cos_thumb_ab,
-        0.0029999999999999996 * sin_thumb_ab,
-    ) + (thumb_fpl_2 - thumb_fpl_1);
+    let thumb_fpl_3 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab)
+        + (thumb_fpl_2 - thumb_fpl_1);
     let thumb_fpl_4 = -0.002
-        - neg_mul_add(
-            0.0029999999999999996,
-            cos_thumb_ab,
-            0.008000000000000004 * sin_thumb_ab,
-        );
+        - neg_mul_add(0.003, cos_thumb_ab, 0.008000000000000002 * sin_thumb_ab);
     let thumb_fpl_5 = 0.012000000000000004 - (thumb_fpl_2 + thumb_fpl_1);
     let thumb_fpl_6 = mul_add(
         thumb_fpl_5,
@@ -581,87 +557,74 @@ pub fn potential(
         mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_4 * thumb_fpl_4),
     );
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_fpl_7 = neg_mul_add(
-        2.0,
-        mul_add(9.999999999999972e-6, cos_thumb_mcp, 0.00021 * sin_thumb_mcp),
-        0.00042100000000000004,
+    let thumb_fpl_7 = sqrt(
+        0.00042100000000000004
+            - mul_add(1.9999999999999944e-5, cos_thumb_mcp, 0.00042 * sin_thumb_mcp),
     );
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_fpl_8 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            4.799999999999981e-6,
-            cos_thumb_ip,
-            0.00014879999999999998 * sin_thumb_ip,
-        ),
-        0.00030115999999999997,
+    let thumb_fpl_8 = sqrt(
+        0.00030115999999999997
+            - neg_mul_add(
+                9.599999999999962e-6,
+                cos_thumb_ip,
+                0.00029759999999999997 * sin_thumb_ip,
+            ),
     );
-    let thumb_fpl_9 = 0.0774786774042295 + sqrt(thumb_fpl_6) + sqrt(thumb_fpl_7)
-        + sqrt(thumb_fpl_8);
-    let thumb_fpl_10 = thumb_fpl_9 - rest_thumb_fpl;
+    let thumb_fpl_9 = 0.0774786774042295 + sqrt(thumb_fpl_6) + thumb_fpl_7 + thumb_fpl_8
+        - rest_thumb_fpl;
     let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = mul_add(0.004, cos_thumb_ab, 0.008 * sin_thumb_ab) + thumb_epl_1;
-    let thumb_epl_3 = -0.008 - neg_mul_add(0.008, cos_thumb_ab, 0.004 * sin_thumb_ab);
-    let thumb_epl_4 = -0.012000000000000004
-        + neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_5 = mul_add(
-        thumb_epl_4,
-        thumb_epl_4,
-        mul_add(thumb_epl_2, thumb_epl_2, thumb_epl_3 * thumb_epl_3),
+    let thumb_epl_2 = 0.004 * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2) + thumb_epl_1;
+    let thumb_epl_4 = 0.004 * sin_thumb_ab;
+    let thumb_epl_5 = -0.008 - neg_mul_add(0.008, cos_thumb_ab, thumb_epl_4);
+    let thumb_epl_6 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_7 = -0.012 + thumb_epl_6;
+    let thumb_epl_8 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
+        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
     );
-    let thumb_epl_6 = neg_mul_add(
-        2.0,
-        mul_sub(0.00011549999999999999, cos_thumb_mcp, 5.17e-5 * sin_thumb_mcp),
-        0.00025309000000000003,
+    let thumb_epl_9 = sqrt(
+        0.00025309000000000003
+            - mul_sub(0.00023099999999999998, cos_thumb_mcp, 0.0001034 * sin_thumb_mcp),
     );
-    let thumb_epl_7 = sqrt(thumb_epl_6);
-    let thumb_epl_8 = neg_mul_add(
-        2.0,
-        mul_sub(9.475e-5, cos_thumb_ip, 4.6000000000000014e-5 * sin_thumb_ip),
-        0.00021066000000000002,
+    let thumb_epl_10 = sqrt(
+        0.00021066000000000002
+            - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
     );
-    let thumb_epl_9 = 0.10924140044546013 + sqrt(thumb_epl_5) + thumb_epl_7
-        + sqrt(thumb_epl_8);
-    let thumb_epl_10 = thumb_epl_9 - rest_thumb_epl;
+    let thumb_epl_11 = 0.10924140044546013 + sqrt(thumb_epl_8) + thumb_epl_9
+        + thumb_epl_10 - rest_thumb_epl;
     let energy_9 = mul_add(
         0.5,
-        thumb_epl_10 * (k_extensor * thumb_epl_10),
-        mul_add(0.5, thumb_fpl_10 * (k_flexor * thumb_fpl_10), energy_8),
+        thumb_epl_11 * (k_extensor * thumb_epl_11),
+        mul_add(0.5, thumb_fpl_9 * (k_flexor * thumb_fpl_9), energy_8),
     );
     let thumb_epb_1 = thumb_epl_1
-        - neg_mul_add(
-            0.003999999999999999,
-            cos_thumb_ab,
-            0.005000000000000001 * sin_thumb_ab,
-        );
-    let thumb_epb_2 = 0.005
-        - mul_add(
-            0.005000000000000001,
-            cos_thumb_ab,
-            0.003999999999999999 * sin_thumb_ab,
-        );
-    let thumb_epb_3 = mul_add(
-        thumb_epl_4,
-        thumb_epl_4,
+        - mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
+    let thumb_epb_2 = 0.005 - mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_4);
+    let thumb_epb_3 = -0.012000000000000004 + thumb_epl_6;
+    let thumb_epb_4 = mul_add(
+        thumb_epb_3,
+        thumb_epb_3,
         mul_add(thumb_epb_1, thumb_epb_1, thumb_epb_2 * thumb_epb_2),
     );
-    let thumb_epb_4 = thumb_epl_7 + (0.07536380062479958 + sqrt(thumb_epb_3))
+    let thumb_epb_5 = thumb_epl_9 + (0.07536380062479958 + sqrt(thumb_epb_4))
         - rest_thumb_epb;
     let thumb_apl_1 = 0.006 * cos_thumb_cmc;
     let thumb_apl_2 = mul_add(0.004, sin_thumb_cmc, thumb_apl_1)
         - neg_mul_add(
             0.007000000000000001,
             cos_thumb_ab,
-            0.012000000000000004 * sin_thumb_ab,
+            0.012000000000000002 * sin_thumb_ab,
         );
     let thumb_apl_3 = 0.012
         - mul_add(
-            0.012000000000000004,
+            0.012000000000000002,
             cos_thumb_ab,
             0.007000000000000001 * sin_thumb_ab,
         );
     let thumb_apl_4 = 0.006 * sin_thumb_cmc;
-    let thumb_apl_5 = -0.005 + mul_sub(0.004, cos_thumb_cmc, thumb_apl_4);
+    let thumb_apl_5 = -0.005000000000000003 + mul_sub(0.004, cos_thumb_cmc, thumb_apl_4);
     let thumb_apl_6 = mul_add(
         thumb_apl_5,
         thumb_apl_5,
@@ -671,42 +634,41 @@ pub fn potential(
     let energy_10 = mul_add(
         0.5,
         thumb_apl_7 * (k_intrinsic * thumb_apl_7),
-        mul_add(0.5, thumb_epb_4 * (k_intrinsic * thumb_epb_4), energy_9),
+        mul_add(0.5, thumb_epb_5 * (k_intrinsic * thumb_epb_5), energy_9),
     );
     let thumb_apb_1 = mul_sub(0.03, cos_thumb_cmc, 0.007 * sin_thumb_cmc)
         - neg_mul_add(
             0.00874910502142235,
             cos_thumb_ab,
-            0.003271760106466037 * sin_thumb_ab,
+            0.003271760106466038 * sin_thumb_ab,
         );
     let thumb_apb_2 = 0.009
         - mul_add(
-            0.003271760106466037,
+            0.003271760106466038,
             cos_thumb_ab,
             0.00874910502142235 * sin_thumb_ab,
         );
-    let thumb_apb_3 = 0.01329468868119369
+    let thumb_apb_3 = 0.013294688681193689
         - mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
     let thumb_apb_4 = mul_add(
         thumb_apb_3,
         thumb_apb_3,
         mul_add(thumb_apb_1, thumb_apb_1, thumb_apb_2 * thumb_apb_2),
     );
-    let thumb_apb_5 = neg_mul_add(
-        2.0,
-        neg_mul_add(2.9599999999999994e-5, cos_thumb_mcp, 9.72e-5 * sin_thumb_mcp),
-        0.00020423999999999998,
+    let thumb_apb_5 = sqrt(
+        0.00020423999999999998
+            - neg_mul_add(5.919999999999999e-5, cos_thumb_mcp, 0.0001944 * sin_thumb_mcp),
     );
-    let thumb_apb_6 = 0.008062257748298557 + sqrt(thumb_apb_4) + sqrt(thumb_apb_5)
+    let thumb_apb_6 = 0.008062257748298557 + sqrt(thumb_apb_4) + thumb_apb_5
         - rest_thumb_apb;
     let thumb_opp_1 = mul_add(
         0.009538977305795334,
         cos_thumb_ab,
-        0.00046527292621430325 * sin_thumb_ab,
+        0.0004652729262143015 * sin_thumb_ab,
     ) + mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
     let thumb_opp_2 = 0.004
         - neg_mul_add(
-            0.00046527292621430325,
+            0.0004652729262143015,
             cos_thumb_ab,
             0.009538977305795334 * sin_thumb_ab,
         );
@@ -727,27 +689,26 @@ pub fn potential(
         - mul_sub(
             0.025486067515228545,
             cos_thumb_ab,
-            0.029821276684971594 * sin_thumb_ab,
+            0.029821276684971587 * sin_thumb_ab,
         );
     let thumb_adp_2 = -0.009
         + mul_add(
-            0.029821276684971594,
+            0.029821276684971587,
             cos_thumb_ab,
             0.025486067515228545 * sin_thumb_ab,
         );
-    let thumb_adp_3 = 0.04065896972978512
+    let thumb_adp_3 = 0.040658969729785124
         - mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_1);
     let thumb_adp_4 = mul_add(
         thumb_adp_3,
         thumb_adp_3,
         mul_add(thumb_adp_1, thumb_adp_1, thumb_adp_2 * thumb_adp_2),
     );
-    let thumb_adp_5 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.56e-5, cos_thumb_mcp, 8.9e-5 * sin_thumb_mcp),
-        0.00019224000000000004,
+    let thumb_adp_5 = sqrt(
+        0.00019224000000000004
+            - neg_mul_add(7.12e-5, cos_thumb_mcp, 0.000178 * sin_thumb_mcp),
     );
-    let thumb_adp_6 = sqrt(thumb_adp_4) + sqrt(thumb_adp_5) - rest_thumb_adp;
+    let thumb_adp_6 = sqrt(thumb_adp_4) + thumb_adp_5 - rest_thumb_adp;
     let energy_12 = neg_mul_add(
         0.0021748671450948255,
         sin_index_mcp,
@@ -837,12 +798,12 @@ pub fn potential(
         0.8246975884333746 * sin_thumb_ab,
     );
     let energy_33 = mul_add(
-        0.5295322319119196,
-        sin_thumb_cmc,
-        cos_thumb_cmc * energy_32,
+        cos_thumb_cmc,
+        energy_32,
+        0.5295322319119194 * sin_thumb_cmc,
     );
     let energy_34 = mul_sub(
-        0.5295322319119196,
+        0.5295322319119194,
         cos_thumb_cmc,
         sin_thumb_cmc * energy_32,
     );

@@ -66,16 +66,16 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     poses[34] = 0.027282828970839067;
     poses[35] = 0.0;
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
-    let index_ab_1 = neg_mul_add(
-        0.059964006479444595,
-        sin_index_ab,
-        0.9982005399352042 * cos_index_ab,
+    let index_ab_1 = mul_sub(
+        0.9982005399352042,
+        cos_index_ab,
+        0.059964006479444595 * sin_index_ab,
     );
     poses[36] = index_ab_1;
     let index_ab_2 = mul_add(
-        0.9982005399352042,
-        sin_index_ab,
-        0.059964006479444595 * cos_index_ab,
+        0.059964006479444595,
+        cos_index_ab,
+        0.9982005399352042 * sin_index_ab,
     );
     poses[37] = -index_ab_2;
     poses[38] = 0.0;
@@ -437,15 +437,15 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     poses[275] = 0.0;
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_ab_1 = mul_add(
-        0.04997916927067833,
-        sin_ring_ab,
-        0.9987502603949663 * cos_ring_ab,
+        0.9987502603949663,
+        cos_ring_ab,
+        0.04997916927067833 * sin_ring_ab,
     );
     poses[276] = ring_ab_1;
-    let ring_ab_2 = neg_mul_add(
-        0.9987502603949663,
-        sin_ring_ab,
-        0.04997916927067833 * cos_ring_ab,
+    let ring_ab_2 = mul_sub(
+        0.04997916927067833,
+        cos_ring_ab,
+        0.9987502603949663 * sin_ring_ab,
     );
     poses[277] = ring_ab_2;
     poses[278] = 0.0;
@@ -596,15 +596,15 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     poses[395] = 0.0;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_ab_1 = mul_add(
-        0.11971220728891936,
-        sin_little_ab,
-        0.9928086358538663 * cos_little_ab,
+        0.9928086358538663,
+        cos_little_ab,
+        0.11971220728891936 * sin_little_ab,
     );
     poses[396] = little_ab_1;
-    let little_ab_2 = neg_mul_add(
-        0.9928086358538663,
-        sin_little_ab,
-        0.11971220728891936 * cos_little_ab,
+    let little_ab_2 = mul_sub(
+        0.11971220728891936,
+        cos_little_ab,
+        0.9928086358538663 * sin_little_ab,
     );
     poses[397] = little_ab_2;
     poses[398] = 0.0;
@@ -790,14 +790,14 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     poses[502] = 0.0;
     poses[503] = 0.0;
     poses[504] = 0.7495962650805187;
-    poses[505] = -0.4759343948752794;
-    poses[506] = -0.4599911859503816;
+    poses[505] = -0.47593439487527933;
+    poses[506] = -0.45999118595038163;
     poses[507] = 0.6313762241158432;
-    poses[508] = 0.30554924219653706;
+    poses[508] = 0.30554924219653695;
     poses[509] = 0.7127437998427926;
     poses[510] = -0.19866933079506122;
     poses[511] = -0.8246975884333746;
-    poses[512] = 0.5295322319119196;
+    poses[512] = 0.5295322319119194;
     poses[513] = 0.01;
     poses[514] = 0.024;
     poses[515] = -0.006;
@@ -805,26 +805,26 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     let thumb_ab_1 = mul_sub(
         0.7495962650805187,
         cos_thumb_ab,
-        0.4759343948752794 * sin_thumb_ab,
+        0.47593439487527933 * sin_thumb_ab,
     );
     poses[516] = thumb_ab_1;
     let thumb_ab_2 = mul_add(
-        0.7495962650805187,
-        sin_thumb_ab,
-        0.4759343948752794 * cos_thumb_ab,
+        0.47593439487527933,
+        cos_thumb_ab,
+        0.7495962650805187 * sin_thumb_ab,
     );
     poses[517] = -thumb_ab_2;
-    poses[518] = -0.4599911859503816;
+    poses[518] = -0.45999118595038163;
     let thumb_ab_3 = mul_add(
         0.6313762241158432,
         cos_thumb_ab,
-        0.30554924219653706 * sin_thumb_ab,
+        0.30554924219653695 * sin_thumb_ab,
     );
     poses[519] = thumb_ab_3;
-    let thumb_ab_4 = neg_mul_add(
-        0.6313762241158432,
-        sin_thumb_ab,
-        0.30554924219653706 * cos_thumb_ab,
+    let thumb_ab_4 = mul_sub(
+        0.30554924219653695,
+        cos_thumb_ab,
+        0.6313762241158432 * sin_thumb_ab,
     );
     poses[520] = thumb_ab_4;
     poses[521] = 0.7127437998427926;
@@ -834,34 +834,34 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
         0.8246975884333746 * sin_thumb_ab,
     );
     poses[522] = -thumb_ab_5;
-    let thumb_ab_6 = mul_sub(
-        0.19866933079506122,
-        sin_thumb_ab,
-        0.8246975884333746 * cos_thumb_ab,
+    let thumb_ab_6 = neg_mul_add(
+        0.8246975884333746,
+        cos_thumb_ab,
+        0.19866933079506122 * sin_thumb_ab,
     );
     poses[523] = thumb_ab_6;
-    poses[524] = 0.5295322319119196;
+    poses[524] = 0.5295322319119194;
     poses[525] = 0.01;
     poses[526] = 0.024;
     poses[527] = -0.006;
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_cmc_1 = mul_add(
-        0.4599911859503816,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_ab_1,
+        cos_thumb_cmc,
+        thumb_ab_1,
+        0.45999118595038163 * sin_thumb_cmc,
     );
     poses[528] = thumb_cmc_1;
     poses[529] = -thumb_ab_2;
     let thumb_cmc_2 = neg_mul_add(
-        0.4599911859503816,
+        0.45999118595038163,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_ab_1,
     );
     poses[530] = thumb_cmc_2;
-    let thumb_cmc_3 = neg_mul_add(
-        0.7127437998427926,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_ab_3,
+    let thumb_cmc_3 = mul_sub(
+        cos_thumb_cmc,
+        thumb_ab_3,
+        0.7127437998427926 * sin_thumb_cmc,
     );
     poses[531] = thumb_cmc_3;
     poses[532] = thumb_ab_4;
@@ -872,14 +872,14 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     );
     poses[533] = thumb_cmc_4;
     let thumb_cmc_5 = mul_add(
-        0.5295322319119196,
-        sin_thumb_cmc,
-        cos_thumb_cmc * thumb_ab_5,
+        cos_thumb_cmc,
+        thumb_ab_5,
+        0.5295322319119194 * sin_thumb_cmc,
     );
     poses[534] = -thumb_cmc_5;
     poses[535] = thumb_ab_6;
     let thumb_cmc_6 = mul_sub(
-        0.5295322319119196,
+        0.5295322319119194,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_ab_5,
     );

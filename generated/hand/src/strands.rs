@@ -5,11 +5,620 @@
 use crate::layout::{ARMS, COORDINATES, coordinate};
 use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 
+<<<<<<< HEAD
+=======
+/// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of all strands (m).
+///
+/// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
+///
+/// 641 operations: 135 sums, 121 products, 158 products with sum, 49 roots, 20 sines and cosines.
+pub fn lengths(q: &[f64; COORDINATES], lengths: &mut [f64; STRANDS]) {
+    let q_index_ab = q[coordinate::INDEX_AB];
+    let q_index_mcp = q[coordinate::INDEX_MCP];
+    let q_index_pip = q[coordinate::INDEX_PIP];
+    let q_index_dip = q[coordinate::INDEX_DIP];
+    let q_middle_ab = q[coordinate::MIDDLE_AB];
+    let q_middle_mcp = q[coordinate::MIDDLE_MCP];
+    let q_middle_pip = q[coordinate::MIDDLE_PIP];
+    let q_middle_dip = q[coordinate::MIDDLE_DIP];
+    let q_ring_ab = q[coordinate::RING_AB];
+    let q_ring_mcp = q[coordinate::RING_MCP];
+    let q_ring_pip = q[coordinate::RING_PIP];
+    let q_ring_dip = q[coordinate::RING_DIP];
+    let q_little_ab = q[coordinate::LITTLE_AB];
+    let q_little_mcp = q[coordinate::LITTLE_MCP];
+    let q_little_pip = q[coordinate::LITTLE_PIP];
+    let q_little_dip = q[coordinate::LITTLE_DIP];
+    let q_thumb_ab = q[coordinate::THUMB_AB];
+    let q_thumb_cmc = q[coordinate::THUMB_CMC];
+    let q_thumb_mcp = q[coordinate::THUMB_MCP];
+    let q_thumb_ip = q[coordinate::THUMB_IP];
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
+    let index_fdp_1 = mul_add(0.012, cos_index_ab, 1.0842021724855044e-19 * sin_index_ab)
+        + mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
+    let index_fdp_2 = neg_mul_add(
+        1.0842021724855044e-19,
+        cos_index_ab,
+        0.012 * sin_index_ab,
+    );
+    let index_fdp_3 = 0.011 - mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
+    let index_fdp_4 = mul_add(
+        index_fdp_3,
+        index_fdp_3,
+        mul_add(index_fdp_1, index_fdp_1, index_fdp_2 * index_fdp_2),
+    );
+    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
+    let index_fdp_5 = sqrt(
+        0.000354510464
+            - neg_mul_add(
+                6.297599999999999e-5,
+                cos_index_pip,
+                0.000345344 * sin_index_pip,
+            ),
+    );
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_fdp_6 = sqrt(
+        0.00015491888400000003
+            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
+    );
+    lengths[strand::INDEX_FDP] = 0.12972844537042483 + sqrt(index_fdp_4) + index_fdp_5
+        + index_fdp_6;
+    let index_edc_1 = mul_add(
+        0.002999999999999997,
+        cos_index_ab,
+        2.439454888092385e-19 * sin_index_ab,
+    ) + mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
+    let index_edc_2 = neg_mul_add(
+        2.439454888092385e-19,
+        cos_index_ab,
+        0.002999999999999997 * sin_index_ab,
+    );
+    let index_edc_3 = -0.011 + mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
+    let index_edc_4 = mul_add(
+        index_edc_3,
+        index_edc_3,
+        mul_add(index_edc_1, index_edc_1, index_edc_2 * index_edc_2),
+    );
+    let index_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_index_pip,
+                7.200000000000003e-5 * sin_index_pip,
+            ),
+    );
+    lengths[strand::INDEX_EDC] = 0.14993665655140606 + sqrt(index_edc_4) + index_edc_5;
+    let index_interosseous_1 = 0.008 * cos_index_mcp;
+    let index_interosseous_2 = neg_mul_add(0.001, sin_index_mcp, index_interosseous_1)
+        - neg_mul_add(
+            0.008000000000000004,
+            cos_index_ab,
+            0.010999999999999996 * sin_index_ab,
+        );
+    let index_interosseous_3 = 0.01
+        - mul_add(
+            0.010999999999999996,
+            cos_index_ab,
+            0.008000000000000004 * sin_index_ab,
+        );
+    let index_interosseous_4 = 0.008 * sin_index_mcp;
+    let index_interosseous_5 = 0.001
+        - mul_add(0.001, cos_index_mcp, index_interosseous_4);
+    let index_interosseous_6 = mul_add(
+        index_interosseous_5,
+        index_interosseous_5,
+        mul_add(
+            index_interosseous_2,
+            index_interosseous_2,
+            index_interosseous_3 * index_interosseous_3,
+        ),
+    );
+    lengths[strand::INDEX_INTEROSSEOUS] = 0.045210728815182795
+        + sqrt(index_interosseous_6);
+    let index_band_1 = mul_add(
+        0.007999999999999997,
+        cos_index_ab,
+        0.010000000000000002 * sin_index_ab,
+    ) + neg_mul_add(0.005, sin_index_mcp, index_interosseous_1);
+    let index_band_2 = -0.009
+        - neg_mul_add(
+            0.010000000000000002,
+            cos_index_ab,
+            0.007999999999999997 * sin_index_ab,
+        );
+    let index_band_3 = 0.005 - mul_add(0.005, cos_index_mcp, index_interosseous_4);
+    let index_band_4 = mul_add(
+        index_band_3,
+        index_band_3,
+        mul_add(index_band_1, index_band_1, index_band_2 * index_band_2),
+    );
+    let index_band_5 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_index_pip,
+                7.200000000000004e-5 * sin_index_pip,
+            ),
+    );
+    let index_band_6 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_index_dip, 5.1999999999999976e-5 * sin_index_dip),
+    );
+    lengths[strand::INDEX_BAND] = 0.09421199494172741 + sqrt(index_band_4) + index_band_5
+        + index_band_6;
+    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
+    let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
+    let middle_fdp_1 = mul_add(
+        0.011999999999999997,
+        cos_middle_ab,
+        mul_sub(0.012, cos_middle_mcp, 0.01 * sin_middle_mcp),
+    );
+    let middle_fdp_2 = 0.011999999999999997 * sin_middle_ab;
+    let middle_fdp_3 = 0.011 - mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
+    let middle_fdp_4 = mul_add(
+        middle_fdp_3,
+        middle_fdp_3,
+        mul_add(middle_fdp_1, middle_fdp_1, middle_fdp_2 * middle_fdp_2),
+    );
+    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
+    let middle_fdp_5 = sqrt(
+        0.00038801411599999986
+            - neg_mul_add(
+                9.901199999999991e-5,
+                cos_middle_pip,
+                0.0003748279999999999 * sin_middle_pip,
+            ),
+    );
+    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
+    let middle_fdp_6 = sqrt(
+        0.00017631659600000004
+            - neg_mul_add(
+                5.6935200000000105e-6,
+                cos_middle_dip,
+                0.00017362800000000003 * sin_middle_dip,
+            ),
+    );
+    lengths[strand::MIDDLE_FDP] = 0.13218112782147726 + sqrt(middle_fdp_4) + middle_fdp_5
+        + middle_fdp_6;
+    let middle_edc_1 = mul_add(
+        0.0030000000000000027,
+        cos_middle_ab,
+        mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp),
+    );
+    let middle_edc_2 = 0.0030000000000000027 * sin_middle_ab;
+    let middle_edc_3 = -0.011 + mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
+    let middle_edc_4 = mul_add(
+        middle_edc_3,
+        middle_edc_3,
+        mul_add(middle_edc_1, middle_edc_1, middle_edc_2 * middle_edc_2),
+    );
+    let middle_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_middle_pip,
+                7.200000000000003e-5 * sin_middle_pip,
+            ),
+    );
+    lengths[strand::MIDDLE_EDC] = 0.15123287910466324 + sqrt(middle_edc_4)
+        + middle_edc_5;
+    let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
+    let middle_interosseous_2 = 0.008 * cos_middle_mcp;
+    let middle_interosseous_3 = neg_mul_add(0.001, sin_middle_mcp, middle_interosseous_2)
+        - mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
+    let middle_interosseous_4 = 0.007999999999999993 * sin_middle_ab;
+    let middle_interosseous_5 = 0.01
+        - mul_add(0.011, cos_middle_ab, middle_interosseous_4);
+    let middle_interosseous_6 = 0.008 * sin_middle_mcp;
+    let middle_interosseous_7 = 0.001
+        - mul_add(0.001, cos_middle_mcp, middle_interosseous_6);
+    let middle_interosseous_8 = mul_add(
+        middle_interosseous_7,
+        middle_interosseous_7,
+        mul_add(
+            middle_interosseous_3,
+            middle_interosseous_3,
+            middle_interosseous_5 * middle_interosseous_5,
+        ),
+    );
+    lengths[strand::MIDDLE_INTEROSSEOUS] = 0.041720019175451005
+        + sqrt(middle_interosseous_8);
+    let middle_band_1 = mul_add(0.01, sin_middle_ab, middle_interosseous_1)
+        + neg_mul_add(0.005, sin_middle_mcp, middle_interosseous_2);
+    let middle_band_2 = -0.009 - neg_mul_add(0.01, cos_middle_ab, middle_interosseous_4);
+    let middle_band_3 = 0.005 - mul_add(0.005, cos_middle_mcp, middle_interosseous_6);
+    let middle_band_4 = mul_add(
+        middle_band_3,
+        middle_band_3,
+        mul_add(middle_band_1, middle_band_1, middle_band_2 * middle_band_2),
+    );
+    let middle_band_5 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_middle_pip,
+                7.200000000000004e-5 * sin_middle_pip,
+            ),
+    );
+    let middle_band_6 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_middle_dip, 5.1999999999999976e-5 * sin_middle_dip),
+    );
+    lengths[strand::MIDDLE_BAND] = 0.09905932921879514 + sqrt(middle_band_4)
+        + middle_band_5 + middle_band_6;
+    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
+    let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
+    let ring_fdp_1 = mul_add(
+        0.012000000000000007,
+        cos_ring_ab,
+        1.1926223897340549e-18 * sin_ring_ab,
+    ) + mul_sub(0.012, cos_ring_mcp, 0.01 * sin_ring_mcp);
+    let ring_fdp_2 = neg_mul_add(
+        1.1926223897340549e-18,
+        cos_ring_ab,
+        0.012000000000000007 * sin_ring_ab,
+    );
+    let ring_fdp_3 = 0.011 - mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
+    let ring_fdp_4 = mul_add(
+        ring_fdp_3,
+        ring_fdp_3,
+        mul_add(ring_fdp_1, ring_fdp_1, ring_fdp_2 * ring_fdp_2),
+    );
+    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
+    let ring_fdp_5 = sqrt(
+        0.00038251043599999996
+            - neg_mul_add(9.346799999999998e-5, cos_ring_pip, 0.000370292 * sin_ring_pip),
+    );
+    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
+    let ring_fdp_6 = sqrt(
+        0.00017344544100000002
+            - neg_mul_add(3.143559999999992e-6, cos_ring_dip, 0.000171122 * sin_ring_dip),
+    );
+    lengths[strand::RING_FDP] = 0.1222069424434041 + sqrt(ring_fdp_4) + ring_fdp_5
+        + ring_fdp_6;
+    let ring_edc_1 = mul_add(
+        0.003000000000000002,
+        cos_ring_ab,
+        2.981555974335137e-19 * sin_ring_ab,
+    ) + mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
+    let ring_edc_2 = neg_mul_add(
+        2.981555974335137e-19,
+        cos_ring_ab,
+        0.003000000000000002 * sin_ring_ab,
+    );
+    let ring_edc_3 = -0.011 + mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
+    let ring_edc_4 = mul_add(
+        ring_edc_3,
+        ring_edc_3,
+        mul_add(ring_edc_1, ring_edc_1, ring_edc_2 * ring_edc_2),
+    );
+    let ring_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_ring_pip,
+                7.200000000000003e-5 * sin_ring_pip,
+            ),
+    );
+    lengths[strand::RING_EDC] = 0.14143565528020308 + sqrt(ring_edc_4) + ring_edc_5;
+    let ring_interosseous_1 = 0.008 * cos_ring_mcp;
+    let ring_interosseous_2 = mul_add(
+        0.008,
+        cos_ring_ab,
+        0.011000000000000001 * sin_ring_ab,
+    ) + neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
+    let ring_interosseous_3 = -0.01
+        - neg_mul_add(0.011000000000000001, cos_ring_ab, 0.008 * sin_ring_ab);
+    let ring_interosseous_4 = 0.008 * sin_ring_mcp;
+    let ring_interosseous_5 = 0.001 - mul_add(0.001, cos_ring_mcp, ring_interosseous_4);
+    let ring_interosseous_6 = mul_add(
+        ring_interosseous_5,
+        ring_interosseous_5,
+        mul_add(
+            ring_interosseous_2,
+            ring_interosseous_2,
+            ring_interosseous_3 * ring_interosseous_3,
+        ),
+    );
+    lengths[strand::RING_INTEROSSEOUS] = 0.03514256678161116 + sqrt(ring_interosseous_6);
+    let ring_band_1 = neg_mul_add(0.005, sin_ring_mcp, ring_interosseous_1)
+        - neg_mul_add(
+            0.007999999999999998,
+            cos_ring_ab,
+            0.010000000000000002 * sin_ring_ab,
+        );
+    let ring_band_2 = 0.009
+        - mul_add(0.010000000000000002, cos_ring_ab, 0.007999999999999998 * sin_ring_ab);
+    let ring_band_3 = 0.005 - mul_add(0.005, cos_ring_mcp, ring_interosseous_4);
+    let ring_band_4 = mul_add(
+        ring_band_3,
+        ring_band_3,
+        mul_add(ring_band_1, ring_band_1, ring_band_2 * ring_band_2),
+    );
+    let ring_band_5 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_ring_pip,
+                7.200000000000004e-5 * sin_ring_pip,
+            ),
+    );
+    let ring_band_6 = sqrt(
+        9.65e-5
+            - mul_sub(
+                7.649999999999999e-5,
+                cos_ring_dip,
+                5.200000000000002e-5 * sin_ring_dip,
+            ),
+    );
+    lengths[strand::RING_BAND] = 0.08891202891001955 + sqrt(ring_band_4) + ring_band_5
+        + ring_band_6;
+    let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
+    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
+    let little_fdp_1 = mul_sub(0.012, cos_little_mcp, 0.01 * sin_little_mcp)
+        - neg_mul_add(0.012, cos_little_ab, 3.686287386450715e-18 * sin_little_ab);
+    let little_fdp_2 = mul_add(
+        3.686287386450715e-18,
+        cos_little_ab,
+        0.012 * sin_little_ab,
+    );
+    let little_fdp_3 = 0.011 - mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
+    let little_fdp_4 = mul_add(
+        little_fdp_3,
+        little_fdp_3,
+        mul_add(little_fdp_1, little_fdp_1, little_fdp_2 * little_fdp_2),
+    );
+    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
+    let little_fdp_5 = sqrt(
+        0.000323790404
+            - neg_mul_add(
+                2.3243999999999983e-5,
+                cos_little_pip,
+                0.000312836 * sin_little_pip,
+            ),
+    );
+    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
+    let little_fdp_6 = sqrt(
+        0.00014204462400000002
+            - mul_add(
+                2.7238399999999993e-5,
+                cos_little_dip,
+                0.000139216 * sin_little_dip,
+            ),
+    );
+    lengths[strand::LITTLE_FDP] = 0.1069781758046222 + sqrt(little_fdp_4) + little_fdp_5
+        + little_fdp_6;
+    let little_edc_1 = mul_add(
+        0.003000000000000003,
+        cos_little_ab,
+        2.9815559743351372e-18 * sin_little_ab,
+    ) + mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
+    let little_edc_2 = neg_mul_add(
+        2.9815559743351372e-18,
+        cos_little_ab,
+        0.003000000000000003 * sin_little_ab,
+    );
+    let little_edc_3 = -0.011 + mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
+    let little_edc_4 = mul_add(
+        little_edc_3,
+        little_edc_3,
+        mul_add(little_edc_1, little_edc_1, little_edc_2 * little_edc_2),
+    );
+    let little_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_little_pip,
+                7.200000000000003e-5 * sin_little_pip,
+            ),
+    );
+    lengths[strand::LITTLE_EDC] = 0.12844554910897665 + sqrt(little_edc_4)
+        + little_edc_5;
+    let little_interosseous_1 = 0.008 * cos_little_mcp;
+    let little_interosseous_2 = mul_add(
+        0.008000000000000002,
+        cos_little_ab,
+        0.010999999999999996 * sin_little_ab,
+    ) + neg_mul_add(0.001, sin_little_mcp, little_interosseous_1);
+    let little_interosseous_3 = -0.01
+        - neg_mul_add(
+            0.010999999999999996,
+            cos_little_ab,
+            0.008000000000000002 * sin_little_ab,
+        );
+    let little_interosseous_4 = 0.008 * sin_little_mcp;
+    let little_interosseous_5 = 0.001
+        - mul_add(0.001, cos_little_mcp, little_interosseous_4);
+    let little_interosseous_6 = mul_add(
+        little_interosseous_5,
+        little_interosseous_5,
+        mul_add(
+            little_interosseous_2,
+            little_interosseous_2,
+            little_interosseous_3 * little_interosseous_3,
+        ),
+    );
+    lengths[strand::LITTLE_INTEROSSEOUS] = 0.03086243671520445
+        + sqrt(little_interosseous_6);
+    let little_band_1 = neg_mul_add(0.005, sin_little_mcp, little_interosseous_1)
+        - neg_mul_add(0.007999999999999998, cos_little_ab, 0.01 * sin_little_ab);
+    let little_band_2 = 0.009
+        - mul_add(0.01, cos_little_ab, 0.007999999999999998 * sin_little_ab);
+    let little_band_3 = 0.005 - mul_add(0.005, cos_little_mcp, little_interosseous_4);
+    let little_band_4 = mul_add(
+        little_band_3,
+        little_band_3,
+        mul_add(little_band_1, little_band_1, little_band_2 * little_band_2),
+    );
+    let little_band_5 = sqrt(
+        8.999999999999998e-5
+            - mul_sub(5.4e-5, cos_little_pip, 7.199999999999999e-5 * sin_little_pip),
+    );
+    let little_band_6 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_little_dip, 5.1999999999999976e-5 * sin_little_dip),
+    );
+    lengths[strand::LITTLE_BAND] = 0.06932376200206641 + sqrt(little_band_4)
+        + little_band_5 + little_band_6;
+    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
+    let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
+    let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
+    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
+    let thumb_fpl_3 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab)
+        + (thumb_fpl_2 - thumb_fpl_1);
+    let thumb_fpl_4 = -0.002
+        - neg_mul_add(0.003, cos_thumb_ab, 0.008000000000000002 * sin_thumb_ab);
+    let thumb_fpl_5 = 0.012000000000000004 - (thumb_fpl_2 + thumb_fpl_1);
+    let thumb_fpl_6 = mul_add(
+        thumb_fpl_5,
+        thumb_fpl_5,
+        mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_4 * thumb_fpl_4),
+    );
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let thumb_fpl_7 = sqrt(
+        0.00042100000000000004
+            - mul_add(1.9999999999999944e-5, cos_thumb_mcp, 0.00042 * sin_thumb_mcp),
+    );
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_fpl_8 = sqrt(
+        0.00030115999999999997
+            - neg_mul_add(
+                9.599999999999962e-6,
+                cos_thumb_ip,
+                0.00029759999999999997 * sin_thumb_ip,
+            ),
+    );
+    lengths[strand::THUMB_FPL] = 0.0774786774042295 + sqrt(thumb_fpl_6) + thumb_fpl_7
+        + thumb_fpl_8;
+    let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
+    let thumb_epl_2 = 0.004 * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2) + thumb_epl_1;
+    let thumb_epl_4 = 0.004 * sin_thumb_ab;
+    let thumb_epl_5 = -0.008 - neg_mul_add(0.008, cos_thumb_ab, thumb_epl_4);
+    let thumb_epl_6 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_7 = -0.012 + thumb_epl_6;
+    let thumb_epl_8 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
+        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
+    );
+    let thumb_epl_9 = sqrt(
+        0.00025309000000000003
+            - mul_sub(0.00023099999999999998, cos_thumb_mcp, 0.0001034 * sin_thumb_mcp),
+    );
+    let thumb_epl_10 = sqrt(
+        0.00021066000000000002
+            - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
+    );
+    lengths[strand::THUMB_EPL] = 0.10924140044546013 + sqrt(thumb_epl_8) + thumb_epl_9
+        + thumb_epl_10;
+    let thumb_epb_1 = thumb_epl_1
+        - mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
+    let thumb_epb_2 = 0.005 - mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_4);
+    let thumb_epb_3 = -0.012000000000000004 + thumb_epl_6;
+    let thumb_epb_4 = mul_add(
+        thumb_epb_3,
+        thumb_epb_3,
+        mul_add(thumb_epb_1, thumb_epb_1, thumb_epb_2 * thumb_epb_2),
+    );
+    lengths[strand::THUMB_EPB] = thumb_epl_9 + (0.07536380062479958 + sqrt(thumb_epb_4));
+    let thumb_apl_1 = 0.006 * cos_thumb_cmc;
+    let thumb_apl_2 = mul_add(0.004, sin_thumb_cmc, thumb_apl_1)
+        - neg_mul_add(
+            0.007000000000000001,
+            cos_thumb_ab,
+            0.012000000000000002 * sin_thumb_ab,
+        );
+    let thumb_apl_3 = 0.012
+        - mul_add(
+            0.012000000000000002,
+            cos_thumb_ab,
+            0.007000000000000001 * sin_thumb_ab,
+        );
+    let thumb_apl_4 = 0.006 * sin_thumb_cmc;
+    let thumb_apl_5 = -0.005000000000000003 + mul_sub(0.004, cos_thumb_cmc, thumb_apl_4);
+    let thumb_apl_6 = mul_add(
+        thumb_apl_5,
+        thumb_apl_5,
+        mul_add(thumb_apl_2, thumb_apl_2, thumb_apl_3 * thumb_apl_3),
+    );
+    lengths[strand::THUMB_APL] = 0.030550892117392127 + sqrt(thumb_apl_6);
+    let thumb_apb_1 = mul_sub(0.03, cos_thumb_cmc, 0.007 * sin_thumb_cmc)
+        - neg_mul_add(
+            0.00874910502142235,
+            cos_thumb_ab,
+            0.003271760106466038 * sin_thumb_ab,
+        );
+    let thumb_apb_2 = 0.009
+        - mul_add(
+            0.003271760106466038,
+            cos_thumb_ab,
+            0.00874910502142235 * sin_thumb_ab,
+        );
+    let thumb_apb_3 = 0.013294688681193689
+        - mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
+    let thumb_apb_4 = mul_add(
+        thumb_apb_3,
+        thumb_apb_3,
+        mul_add(thumb_apb_1, thumb_apb_1, thumb_apb_2 * thumb_apb_2),
+    );
+    let thumb_apb_5 = sqrt(
+        0.00020423999999999998
+            - neg_mul_add(5.919999999999999e-5, cos_thumb_mcp, 0.0001944 * sin_thumb_mcp),
+    );
+    lengths[strand::THUMB_APB] = 0.008062257748298557 + sqrt(thumb_apb_4) + thumb_apb_5;
+    let thumb_opp_1 = mul_add(
+        0.009538977305795334,
+        cos_thumb_ab,
+        0.0004652729262143015 * sin_thumb_ab,
+    ) + mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
+    let thumb_opp_2 = 0.004
+        - neg_mul_add(
+            0.0004652729262143015,
+            cos_thumb_ab,
+            0.009538977305795334 * sin_thumb_ab,
+        );
+    let thumb_opp_3 = 0.01941111622405197
+        - mul_add(0.01, cos_thumb_cmc, 0.028 * sin_thumb_cmc);
+    let thumb_opp_4 = mul_add(
+        thumb_opp_3,
+        thumb_opp_3,
+        mul_add(thumb_opp_1, thumb_opp_1, thumb_opp_2 * thumb_opp_2),
+    );
+    lengths[strand::THUMB_OPP] = sqrt(thumb_opp_4);
+    let thumb_adp_1 = mul_sub(0.038000000000000006, cos_thumb_cmc, thumb_apl_4)
+        - mul_sub(
+            0.025486067515228545,
+            cos_thumb_ab,
+            0.029821276684971587 * sin_thumb_ab,
+        );
+    let thumb_adp_2 = -0.009
+        + mul_add(
+            0.029821276684971587,
+            cos_thumb_ab,
+            0.025486067515228545 * sin_thumb_ab,
+        );
+    let thumb_adp_3 = 0.040658969729785124
+        - mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_1);
+    let thumb_adp_4 = mul_add(
+        thumb_adp_3,
+        thumb_adp_3,
+        mul_add(thumb_adp_1, thumb_adp_1, thumb_adp_2 * thumb_adp_2),
+    );
+    let thumb_adp_5 = sqrt(
+        0.00019224000000000004
+            - neg_mul_add(7.12e-5, cos_thumb_mcp, 0.000178 * sin_thumb_mcp),
+    );
+    lengths[strand::THUMB_ADP] = sqrt(thumb_adp_4) + thumb_adp_5;
+}
+
+>>>>>>> work-a
 /// Moment arms ∂x/∂q of all strands (m/rad or 1), one row per strand; entries that are zero by structure are not written.
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-/// 954 operations: 62 sums, 266 products, 254 products with sum, 49 divisions, 49 roots, 20 sines and cosines.
+/// 904 operations: 89 sums, 241 products, 228 products with sum, 49 divisions, 49 roots, 20 sines and cosines.
 pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let q_index_ab = q[coordinate::INDEX_AB];
     let q_index_mcp = q[coordinate::INDEX_MCP];
@@ -53,37 +662,31 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
     );
     let index_fdp_8 = 1.0 / sqrt(index_fdp_7);
-    let index_fdp_9 = index_fdp_3 * index_fdp_8;
-    arms[0] = neg_mul_add(
-        index_fdp_4,
-        index_fdp_9,
-        index_fdp_2 * (index_fdp_4 * index_fdp_8),
-    );
-    arms[1] = -mul_add(
-        index_fdp_5,
-        index_fdp_9,
-        index_fdp_1 * (index_fdp_6 * index_fdp_8),
-    );
+    arms[0] = index_fdp_8 * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3);
+    arms[1] = -(index_fdp_8
+        * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6));
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_fdp_10 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.1487999999999994e-5, cos_index_pip, 0.000172672 * sin_index_pip),
-        0.000354510464,
+    let index_fdp_9 = sqrt(
+        0.000354510464
+            - neg_mul_add(
+                6.297599999999999e-5,
+                cos_index_pip,
+                0.000345344 * sin_index_pip,
+            ),
     );
-    let index_fdp_11 = mul_add(
+    let index_fdp_10 = mul_add(
         3.1487999999999994e-5,
         sin_index_pip,
         0.000172672 * cos_index_pip,
-    ) / sqrt(index_fdp_10);
-    arms[2] = -index_fdp_11;
+    ) / index_fdp_9;
+    arms[2] = -index_fdp_10;
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_fdp_12 = neg_mul_add(
-        2.0,
-        mul_add(7.315840000000005e-6, cos_index_dip, 7.6342e-5 * sin_index_dip),
-        0.00015491888400000003,
+    let index_fdp_11 = sqrt(
+        0.00015491888400000003
+            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
     );
     arms[3] = mul_sub(7.315840000000005e-6, sin_index_dip, 7.6342e-5 * cos_index_dip)
-        / sqrt(index_fdp_12);
+        / index_fdp_11;
     let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
     let index_edc_2 = mul_add(
         0.002999999999999997,
@@ -104,31 +707,23 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
     );
     let index_edc_8 = 1.0 / sqrt(index_edc_7);
-    let index_edc_9 = index_edc_3 * index_edc_8;
-    arms[20] = neg_mul_add(
-        index_edc_4,
-        index_edc_9,
-        index_edc_2 * (index_edc_4 * index_edc_8),
-    );
-    arms[21] = mul_sub(
-        index_edc_5,
-        index_edc_9,
-        index_edc_1 * (index_edc_6 * index_edc_8),
-    );
-    let index_edc_10 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_index_pip,
-            3.6000000000000014e-5 * sin_index_pip,
-        ),
-        0.00016999999999999999,
+    arms[20] = index_edc_8
+        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3);
+    arms[21] = index_edc_8
+        * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6);
+    let index_edc_9 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_index_pip,
+                7.200000000000003e-5 * sin_index_pip,
+            ),
     );
     arms[22] = mul_add(
         7.699999999999999e-5,
         sin_index_pip,
         3.6000000000000014e-5 * cos_index_pip,
-    ) / sqrt(index_edc_10);
+    ) / index_edc_9;
     let index_interosseous_1 = neg_mul_add(
         0.008000000000000004,
         cos_index_ab,
@@ -156,17 +751,18 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         ),
     );
     let index_interosseous_11 = 1.0 / sqrt(index_interosseous_10);
-    let index_interosseous_12 = index_interosseous_4 * index_interosseous_11;
-    arms[40] = neg_mul_add(
-        index_interosseous_5,
-        index_interosseous_12,
-        index_interosseous_1 * (index_interosseous_6 * index_interosseous_11),
-    );
-    arms[41] = -mul_add(
-        index_interosseous_8,
-        index_interosseous_12,
-        index_interosseous_3 * (index_interosseous_9 * index_interosseous_11),
-    );
+    arms[40] = index_interosseous_11
+        * mul_sub(
+            index_interosseous_1,
+            index_interosseous_6,
+            index_interosseous_5 * index_interosseous_4,
+        );
+    arms[41] = -(index_interosseous_11
+        * mul_add(
+            index_interosseous_8,
+            index_interosseous_4,
+            index_interosseous_3 * index_interosseous_9,
+        ));
     let index_band_1 = neg_mul_add(0.005, sin_index_mcp, index_interosseous_2);
     let index_band_2 = mul_add(
         0.007999999999999997,
@@ -188,38 +784,29 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(index_band_3, index_band_3, index_band_5 * index_band_5),
     );
     let index_band_9 = 1.0 / sqrt(index_band_8);
-    let index_band_10 = index_band_3 * index_band_9;
-    arms[60] = -mul_add(
-        index_band_4,
-        index_band_10,
-        index_band_2 * (index_band_5 * index_band_9),
-    );
-    arms[61] = -mul_add(
-        index_band_6,
-        index_band_10,
-        index_band_1 * (index_band_7 * index_band_9),
-    );
-    let index_band_11 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_index_pip,
-            3.600000000000002e-5 * sin_index_pip,
-        ),
-        9.000000000000003e-5,
+    arms[60] = -(index_band_9
+        * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3));
+    arms[61] = -(index_band_9
+        * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7));
+    let index_band_10 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_index_pip,
+                7.200000000000004e-5 * sin_index_pip,
+            ),
     );
     arms[62] = mul_add(
         2.6999999999999985e-5,
         sin_index_pip,
         3.600000000000002e-5 * cos_index_pip,
-    ) / sqrt(index_band_11);
-    let index_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_index_dip, 2.5999999999999988e-5 * sin_index_dip),
-        9.649999999999999e-5,
+    ) / index_band_10;
+    let index_band_11 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_index_dip, 5.1999999999999976e-5 * sin_index_dip),
     );
     arms[63] = mul_add(3.825e-5, sin_index_dip, 2.5999999999999988e-5 * cos_index_dip)
-        / sqrt(index_band_12);
+        / index_band_11;
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let middle_fdp_1 = mul_sub(0.012, cos_middle_mcp, 0.01 * sin_middle_mcp);
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
@@ -234,49 +821,40 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
     );
     let middle_fdp_8 = 1.0 / sqrt(middle_fdp_7);
-    let middle_fdp_9 = middle_fdp_3 * middle_fdp_8;
-    arms[84] = neg_mul_add(
-        middle_fdp_4,
-        middle_fdp_9,
-        middle_fdp_2 * (middle_fdp_4 * middle_fdp_8),
-    );
-    arms[85] = -mul_add(
-        middle_fdp_5,
-        middle_fdp_9,
-        middle_fdp_1 * (middle_fdp_6 * middle_fdp_8),
-    );
+    arms[84] = middle_fdp_8
+        * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3);
+    arms[85] = -(middle_fdp_8
+        * mul_add(middle_fdp_5, middle_fdp_3, middle_fdp_1 * middle_fdp_6));
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_fdp_10 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            4.9505999999999956e-5,
-            cos_middle_pip,
-            0.00018741399999999995 * sin_middle_pip,
-        ),
-        0.00038801411599999986,
+    let middle_fdp_9 = sqrt(
+        0.00038801411599999986
+            - neg_mul_add(
+                9.901199999999991e-5,
+                cos_middle_pip,
+                0.0003748279999999999 * sin_middle_pip,
+            ),
     );
-    let middle_fdp_11 = mul_add(
+    let middle_fdp_10 = mul_add(
         4.9505999999999956e-5,
         sin_middle_pip,
         0.00018741399999999995 * cos_middle_pip,
-    ) / sqrt(middle_fdp_10);
-    arms[86] = -middle_fdp_11;
+    ) / middle_fdp_9;
+    arms[86] = -middle_fdp_10;
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let middle_fdp_12 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            2.8467600000000052e-6,
-            cos_middle_dip,
-            8.681400000000001e-5 * sin_middle_dip,
-        ),
-        0.00017631659600000004,
+    let middle_fdp_11 = sqrt(
+        0.00017631659600000004
+            - neg_mul_add(
+                5.6935200000000105e-6,
+                cos_middle_dip,
+                0.00017362800000000003 * sin_middle_dip,
+            ),
     );
-    let middle_fdp_13 = mul_add(
+    let middle_fdp_12 = mul_add(
         2.8467600000000052e-6,
         sin_middle_dip,
         8.681400000000001e-5 * cos_middle_dip,
-    ) / sqrt(middle_fdp_12);
-    arms[87] = -middle_fdp_13;
+    ) / middle_fdp_11;
+    arms[87] = -middle_fdp_12;
     let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
     let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
     let middle_edc_3 = middle_edc_2 + middle_edc_1;
@@ -289,31 +867,23 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(middle_edc_3, middle_edc_3, middle_edc_4 * middle_edc_4),
     );
     let middle_edc_8 = 1.0 / sqrt(middle_edc_7);
-    let middle_edc_9 = middle_edc_3 * middle_edc_8;
-    arms[104] = neg_mul_add(
-        middle_edc_4,
-        middle_edc_9,
-        middle_edc_2 * (middle_edc_4 * middle_edc_8),
-    );
-    arms[105] = mul_sub(
-        middle_edc_5,
-        middle_edc_9,
-        middle_edc_1 * (middle_edc_6 * middle_edc_8),
-    );
-    let middle_edc_10 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_middle_pip,
-            3.6000000000000014e-5 * sin_middle_pip,
-        ),
-        0.00016999999999999999,
+    arms[104] = middle_edc_8
+        * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3);
+    arms[105] = middle_edc_8
+        * mul_sub(middle_edc_5, middle_edc_3, middle_edc_1 * middle_edc_6);
+    let middle_edc_9 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_middle_pip,
+                7.200000000000003e-5 * sin_middle_pip,
+            ),
     );
     arms[106] = mul_add(
         7.699999999999999e-5,
         sin_middle_pip,
         3.6000000000000014e-5 * cos_middle_pip,
-    ) / sqrt(middle_edc_10);
+    ) / middle_edc_9;
     let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
     let middle_interosseous_2 = mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
     let middle_interosseous_3 = 0.008 * cos_middle_mcp;
@@ -339,17 +909,18 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         ),
     );
     let middle_interosseous_13 = 1.0 / sqrt(middle_interosseous_12);
-    let middle_interosseous_14 = middle_interosseous_5 * middle_interosseous_13;
-    arms[124] = neg_mul_add(
-        middle_interosseous_7,
-        middle_interosseous_14,
-        middle_interosseous_2 * (middle_interosseous_8 * middle_interosseous_13),
-    );
-    arms[125] = -mul_add(
-        middle_interosseous_10,
-        middle_interosseous_14,
-        middle_interosseous_4 * (middle_interosseous_11 * middle_interosseous_13),
-    );
+    arms[124] = middle_interosseous_13
+        * mul_sub(
+            middle_interosseous_2,
+            middle_interosseous_8,
+            middle_interosseous_7 * middle_interosseous_5,
+        );
+    arms[125] = -(middle_interosseous_13
+        * mul_add(
+            middle_interosseous_10,
+            middle_interosseous_5,
+            middle_interosseous_4 * middle_interosseous_11,
+        ));
     let middle_band_1 = neg_mul_add(0.005, sin_middle_mcp, middle_interosseous_3);
     let middle_band_2 = mul_add(0.01, sin_middle_ab, middle_interosseous_1);
     let middle_band_3 = middle_band_2 + middle_band_1;
@@ -363,38 +934,29 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(middle_band_3, middle_band_3, middle_band_5 * middle_band_5),
     );
     let middle_band_9 = 1.0 / sqrt(middle_band_8);
-    let middle_band_10 = middle_band_3 * middle_band_9;
-    arms[144] = -mul_add(
-        middle_band_4,
-        middle_band_10,
-        middle_band_2 * (middle_band_5 * middle_band_9),
-    );
-    arms[145] = -mul_add(
-        middle_band_6,
-        middle_band_10,
-        middle_band_1 * (middle_band_7 * middle_band_9),
-    );
-    let middle_band_11 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_middle_pip,
-            3.600000000000002e-5 * sin_middle_pip,
-        ),
-        9.000000000000003e-5,
+    arms[144] = -(middle_band_9
+        * mul_add(middle_band_2, middle_band_5, middle_band_4 * middle_band_3));
+    arms[145] = -(middle_band_9
+        * mul_add(middle_band_6, middle_band_3, middle_band_1 * middle_band_7));
+    let middle_band_10 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_middle_pip,
+                7.200000000000004e-5 * sin_middle_pip,
+            ),
     );
     arms[146] = mul_add(
         2.6999999999999985e-5,
         sin_middle_pip,
         3.600000000000002e-5 * cos_middle_pip,
-    ) / sqrt(middle_band_11);
-    let middle_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_middle_dip, 2.5999999999999988e-5 * sin_middle_dip),
-        9.649999999999999e-5,
+    ) / middle_band_10;
+    let middle_band_11 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_middle_dip, 5.1999999999999976e-5 * sin_middle_dip),
     );
     arms[147] = mul_add(3.825e-5, sin_middle_dip, 2.5999999999999988e-5 * cos_middle_dip)
-        / sqrt(middle_band_12);
+        / middle_band_11;
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let ring_fdp_1 = mul_sub(0.012, cos_ring_mcp, 0.01 * sin_ring_mcp);
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
@@ -417,37 +979,30 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_4 * ring_fdp_4),
     );
     let ring_fdp_8 = 1.0 / sqrt(ring_fdp_7);
-    let ring_fdp_9 = ring_fdp_3 * ring_fdp_8;
-    arms[168] = neg_mul_add(
-        ring_fdp_4,
-        ring_fdp_9,
-        ring_fdp_2 * (ring_fdp_4 * ring_fdp_8),
-    );
-    arms[169] = -mul_add(ring_fdp_5, ring_fdp_9, ring_fdp_1 * (ring_fdp_6 * ring_fdp_8));
+    arms[168] = ring_fdp_8 * mul_sub(ring_fdp_2, ring_fdp_4, ring_fdp_4 * ring_fdp_3);
+    arms[169] = -(ring_fdp_8 * mul_add(ring_fdp_5, ring_fdp_3, ring_fdp_1 * ring_fdp_6));
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_fdp_10 = neg_mul_add(
-        2.0,
-        neg_mul_add(4.673399999999999e-5, cos_ring_pip, 0.000185146 * sin_ring_pip),
-        0.00038251043599999996,
+    let ring_fdp_9 = sqrt(
+        0.00038251043599999996
+            - neg_mul_add(9.346799999999998e-5, cos_ring_pip, 0.000370292 * sin_ring_pip),
     );
-    let ring_fdp_11 = mul_add(
+    let ring_fdp_10 = mul_add(
         4.673399999999999e-5,
         sin_ring_pip,
         0.000185146 * cos_ring_pip,
-    ) / sqrt(ring_fdp_10);
-    arms[170] = -ring_fdp_11;
+    ) / ring_fdp_9;
+    arms[170] = -ring_fdp_10;
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let ring_fdp_12 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.571779999999996e-6, cos_ring_dip, 8.5561e-5 * sin_ring_dip),
-        0.00017344544100000002,
+    let ring_fdp_11 = sqrt(
+        0.00017344544100000002
+            - neg_mul_add(3.143559999999992e-6, cos_ring_dip, 0.000171122 * sin_ring_dip),
     );
-    let ring_fdp_13 = mul_add(
+    let ring_fdp_12 = mul_add(
         1.571779999999996e-6,
         sin_ring_dip,
         8.5561e-5 * cos_ring_dip,
-    ) / sqrt(ring_fdp_12);
-    arms[171] = -ring_fdp_13;
+    ) / ring_fdp_11;
+    arms[171] = -ring_fdp_12;
     let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
     let ring_edc_2 = mul_add(
         0.003000000000000002,
@@ -468,27 +1023,21 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(ring_edc_3, ring_edc_3, ring_edc_4 * ring_edc_4),
     );
     let ring_edc_8 = 1.0 / sqrt(ring_edc_7);
-    let ring_edc_9 = ring_edc_3 * ring_edc_8;
-    arms[188] = neg_mul_add(
-        ring_edc_4,
-        ring_edc_9,
-        ring_edc_2 * (ring_edc_4 * ring_edc_8),
-    );
-    arms[189] = mul_sub(ring_edc_5, ring_edc_9, ring_edc_1 * (ring_edc_6 * ring_edc_8));
-    let ring_edc_10 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_ring_pip,
-            3.6000000000000014e-5 * sin_ring_pip,
-        ),
-        0.00016999999999999999,
+    arms[188] = ring_edc_8 * mul_sub(ring_edc_2, ring_edc_4, ring_edc_4 * ring_edc_3);
+    arms[189] = ring_edc_8 * mul_sub(ring_edc_5, ring_edc_3, ring_edc_1 * ring_edc_6);
+    let ring_edc_9 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_ring_pip,
+                7.200000000000003e-5 * sin_ring_pip,
+            ),
     );
     arms[190] = mul_add(
         7.699999999999999e-5,
         sin_ring_pip,
         3.6000000000000014e-5 * cos_ring_pip,
-    ) / sqrt(ring_edc_10);
+    ) / ring_edc_9;
     let ring_interosseous_1 = 0.008 * cos_ring_mcp;
     let ring_interosseous_2 = neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
     let ring_interosseous_3 = mul_add(
@@ -516,17 +1065,18 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         ),
     );
     let ring_interosseous_11 = 1.0 / sqrt(ring_interosseous_10);
-    let ring_interosseous_12 = ring_interosseous_4 * ring_interosseous_11;
-    arms[208] = -mul_add(
-        ring_interosseous_5,
-        ring_interosseous_12,
-        ring_interosseous_3 * (ring_interosseous_6 * ring_interosseous_11),
-    );
-    arms[209] = -mul_add(
-        ring_interosseous_8,
-        ring_interosseous_12,
-        ring_interosseous_2 * (ring_interosseous_9 * ring_interosseous_11),
-    );
+    arms[208] = -(ring_interosseous_11
+        * mul_add(
+            ring_interosseous_3,
+            ring_interosseous_6,
+            ring_interosseous_5 * ring_interosseous_4,
+        ));
+    arms[209] = -(ring_interosseous_11
+        * mul_add(
+            ring_interosseous_8,
+            ring_interosseous_4,
+            ring_interosseous_2 * ring_interosseous_9,
+        ));
     let ring_band_1 = neg_mul_add(
         0.007999999999999998,
         cos_ring_ab,
@@ -548,45 +1098,36 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(ring_band_3, ring_band_3, ring_band_5 * ring_band_5),
     );
     let ring_band_9 = 1.0 / sqrt(ring_band_8);
-    let ring_band_10 = ring_band_3 * ring_band_9;
-    arms[228] = neg_mul_add(
-        ring_band_4,
-        ring_band_10,
-        ring_band_1 * (ring_band_5 * ring_band_9),
-    );
-    arms[229] = -mul_add(
-        ring_band_6,
-        ring_band_10,
-        ring_band_2 * (ring_band_7 * ring_band_9),
-    );
-    let ring_band_11 = neg_mul_add(
-        2.0,
-        mul_sub(
-            2.6999999999999985e-5,
-            cos_ring_pip,
-            3.600000000000002e-5 * sin_ring_pip,
-        ),
-        9.000000000000003e-5,
+    arms[228] = ring_band_9
+        * mul_sub(ring_band_1, ring_band_5, ring_band_4 * ring_band_3);
+    arms[229] = -(ring_band_9
+        * mul_add(ring_band_6, ring_band_3, ring_band_2 * ring_band_7));
+    let ring_band_10 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_ring_pip,
+                7.200000000000004e-5 * sin_ring_pip,
+            ),
     );
     arms[230] = mul_add(
         2.6999999999999985e-5,
         sin_ring_pip,
         3.600000000000002e-5 * cos_ring_pip,
-    ) / sqrt(ring_band_11);
-    let ring_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(
-            3.8249999999999995e-5,
-            cos_ring_dip,
-            2.600000000000001e-5 * sin_ring_dip,
-        ),
-        9.65e-5,
+    ) / ring_band_10;
+    let ring_band_11 = sqrt(
+        9.65e-5
+            - mul_sub(
+                7.649999999999999e-5,
+                cos_ring_dip,
+                5.200000000000002e-5 * sin_ring_dip,
+            ),
     );
     arms[231] = mul_add(
         3.8249999999999995e-5,
         sin_ring_dip,
         2.600000000000001e-5 * cos_ring_dip,
-    ) / sqrt(ring_band_12);
+    ) / ring_band_11;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_fdp_1 = neg_mul_add(
         0.012,
@@ -609,40 +1150,39 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(little_fdp_3, little_fdp_3, little_fdp_4 * little_fdp_4),
     );
     let little_fdp_8 = 1.0 / sqrt(little_fdp_7);
-    let little_fdp_9 = little_fdp_3 * little_fdp_8;
-    arms[252] = -mul_add(
-        little_fdp_4,
-        little_fdp_9,
-        little_fdp_1 * (little_fdp_4 * little_fdp_8),
-    );
-    arms[253] = -mul_add(
-        little_fdp_5,
-        little_fdp_9,
-        little_fdp_2 * (little_fdp_6 * little_fdp_8),
-    );
+    arms[252] = -(little_fdp_8
+        * mul_add(little_fdp_1, little_fdp_4, little_fdp_4 * little_fdp_3));
+    arms[253] = -(little_fdp_8
+        * mul_add(little_fdp_5, little_fdp_3, little_fdp_2 * little_fdp_6));
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_fdp_10 = neg_mul_add(
-        2.0,
-        neg_mul_add(1.1621999999999991e-5, cos_little_pip, 0.000156418 * sin_little_pip),
-        0.000323790404,
+    let little_fdp_9 = sqrt(
+        0.000323790404
+            - neg_mul_add(
+                2.3243999999999983e-5,
+                cos_little_pip,
+                0.000312836 * sin_little_pip,
+            ),
     );
-    let little_fdp_11 = mul_add(
+    let little_fdp_10 = mul_add(
         1.1621999999999991e-5,
         sin_little_pip,
         0.000156418 * cos_little_pip,
-    ) / sqrt(little_fdp_10);
-    arms[254] = -little_fdp_11;
+    ) / little_fdp_9;
+    arms[254] = -little_fdp_10;
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let little_fdp_12 = neg_mul_add(
-        2.0,
-        mul_add(1.3619199999999997e-5, cos_little_dip, 6.9608e-5 * sin_little_dip),
-        0.00014204462400000002,
+    let little_fdp_11 = sqrt(
+        0.00014204462400000002
+            - mul_add(
+                2.7238399999999993e-5,
+                cos_little_dip,
+                0.000139216 * sin_little_dip,
+            ),
     );
     arms[255] = mul_sub(
         1.3619199999999997e-5,
         sin_little_dip,
         6.9608e-5 * cos_little_dip,
-    ) / sqrt(little_fdp_12);
+    ) / little_fdp_11;
     let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
     let little_edc_2 = mul_add(
         0.003000000000000003,
@@ -663,31 +1203,23 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(little_edc_3, little_edc_3, little_edc_4 * little_edc_4),
     );
     let little_edc_8 = 1.0 / sqrt(little_edc_7);
-    let little_edc_9 = little_edc_3 * little_edc_8;
-    arms[272] = neg_mul_add(
-        little_edc_4,
-        little_edc_9,
-        little_edc_2 * (little_edc_4 * little_edc_8),
-    );
-    arms[273] = mul_sub(
-        little_edc_5,
-        little_edc_9,
-        little_edc_1 * (little_edc_6 * little_edc_8),
-    );
-    let little_edc_10 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_little_pip,
-            3.6000000000000014e-5 * sin_little_pip,
-        ),
-        0.00016999999999999999,
+    arms[272] = little_edc_8
+        * mul_sub(little_edc_2, little_edc_4, little_edc_4 * little_edc_3);
+    arms[273] = little_edc_8
+        * mul_sub(little_edc_5, little_edc_3, little_edc_1 * little_edc_6);
+    let little_edc_9 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_little_pip,
+                7.200000000000003e-5 * sin_little_pip,
+            ),
     );
     arms[274] = mul_add(
         7.699999999999999e-5,
         sin_little_pip,
         3.6000000000000014e-5 * cos_little_pip,
-    ) / sqrt(little_edc_10);
+    ) / little_edc_9;
     let little_interosseous_1 = 0.008 * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
         0.001,
@@ -719,17 +1251,18 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         ),
     );
     let little_interosseous_11 = 1.0 / sqrt(little_interosseous_10);
-    let little_interosseous_12 = little_interosseous_4 * little_interosseous_11;
-    arms[292] = -mul_add(
-        little_interosseous_5,
-        little_interosseous_12,
-        little_interosseous_3 * (little_interosseous_6 * little_interosseous_11),
-    );
-    arms[293] = -mul_add(
-        little_interosseous_8,
-        little_interosseous_12,
-        little_interosseous_2 * (little_interosseous_9 * little_interosseous_11),
-    );
+    arms[292] = -(little_interosseous_11
+        * mul_add(
+            little_interosseous_3,
+            little_interosseous_6,
+            little_interosseous_5 * little_interosseous_4,
+        ));
+    arms[293] = -(little_interosseous_11
+        * mul_add(
+            little_interosseous_8,
+            little_interosseous_4,
+            little_interosseous_2 * little_interosseous_9,
+        ));
     let little_band_1 = neg_mul_add(
         0.007999999999999998,
         cos_little_ab,
@@ -751,46 +1284,33 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(little_band_3, little_band_3, little_band_5 * little_band_5),
     );
     let little_band_9 = 1.0 / sqrt(little_band_8);
-    let little_band_10 = little_band_3 * little_band_9;
-    arms[312] = neg_mul_add(
-        little_band_4,
-        little_band_10,
-        little_band_1 * (little_band_5 * little_band_9),
-    );
-    arms[313] = -mul_add(
-        little_band_6,
-        little_band_10,
-        little_band_2 * (little_band_7 * little_band_9),
-    );
-    let little_band_11 = neg_mul_add(
-        2.0,
-        mul_sub(2.7e-5, cos_little_pip, 3.5999999999999994e-5 * sin_little_pip),
-        8.999999999999998e-5,
+    arms[312] = little_band_9
+        * mul_sub(little_band_1, little_band_5, little_band_4 * little_band_3);
+    arms[313] = -(little_band_9
+        * mul_add(little_band_6, little_band_3, little_band_2 * little_band_7));
+    let little_band_10 = sqrt(
+        8.999999999999998e-5
+            - mul_sub(5.4e-5, cos_little_pip, 7.199999999999999e-5 * sin_little_pip),
     );
     arms[314] = mul_add(2.7e-5, sin_little_pip, 3.5999999999999994e-5 * cos_little_pip)
-        / sqrt(little_band_11);
-    let little_band_12 = neg_mul_add(
-        2.0,
-        mul_sub(3.825e-5, cos_little_dip, 2.5999999999999988e-5 * sin_little_dip),
-        9.649999999999999e-5,
+        / little_band_10;
+    let little_band_11 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_little_dip, 5.1999999999999976e-5 * sin_little_dip),
     );
     arms[315] = mul_add(3.825e-5, sin_little_dip, 2.5999999999999988e-5 * cos_little_dip)
-        / sqrt(little_band_12);
+        / little_band_11;
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
     let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
     let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_fpl_4 = mul_add(
-        0.008000000000000004,
-        cos_thumb_ab,
-        0.0029999999999999996 * sin_thumb_ab,
-    );
+    let thumb_fpl_4 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab);
     let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
     let thumb_fpl_6 = neg_mul_add(
-        0.0029999999999999996,
+        0.003,
         cos_thumb_ab,
-        0.008000000000000004 * sin_thumb_ab,
+        0.008000000000000002 * sin_thumb_ab,
     );
     let thumb_fpl_7 = -0.002 - thumb_fpl_6;
     let thumb_fpl_8 = thumb_fpl_2 + thumb_fpl_1;
@@ -801,199 +1321,154 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(thumb_fpl_5, thumb_fpl_5, thumb_fpl_7 * thumb_fpl_7),
     );
     let thumb_fpl_11 = 1.0 / sqrt(thumb_fpl_10);
-    let thumb_fpl_12 = thumb_fpl_5 * thumb_fpl_11;
-    arms[336] = -mul_add(
-        thumb_fpl_6,
-        thumb_fpl_12,
-        thumb_fpl_4 * (thumb_fpl_7 * thumb_fpl_11),
-    );
-    arms[337] = -mul_add(
-        thumb_fpl_8,
-        thumb_fpl_12,
-        thumb_fpl_3 * (thumb_fpl_9 * thumb_fpl_11),
-    );
+    arms[336] = -(thumb_fpl_11
+        * mul_add(thumb_fpl_4, thumb_fpl_7, thumb_fpl_6 * thumb_fpl_5));
+    arms[337] = -(thumb_fpl_11
+        * mul_add(thumb_fpl_8, thumb_fpl_5, thumb_fpl_3 * thumb_fpl_9));
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_fpl_13 = neg_mul_add(
-        2.0,
-        mul_add(9.999999999999972e-6, cos_thumb_mcp, 0.00021 * sin_thumb_mcp),
-        0.00042100000000000004,
+    let thumb_fpl_12 = sqrt(
+        0.00042100000000000004
+            - mul_add(1.9999999999999944e-5, cos_thumb_mcp, 0.00042 * sin_thumb_mcp),
     );
     arms[338] = mul_sub(9.999999999999972e-6, sin_thumb_mcp, 0.00021 * cos_thumb_mcp)
-        / sqrt(thumb_fpl_13);
+        / thumb_fpl_12;
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_fpl_14 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            4.799999999999981e-6,
-            cos_thumb_ip,
-            0.00014879999999999998 * sin_thumb_ip,
-        ),
-        0.00030115999999999997,
+    let thumb_fpl_13 = sqrt(
+        0.00030115999999999997
+            - neg_mul_add(
+                9.599999999999962e-6,
+                cos_thumb_ip,
+                0.00029759999999999997 * sin_thumb_ip,
+            ),
     );
-    let thumb_fpl_15 = mul_add(
+    let thumb_fpl_14 = mul_add(
         4.799999999999981e-6,
         sin_thumb_ip,
         0.00014879999999999998 * cos_thumb_ip,
-    ) / sqrt(thumb_fpl_14);
-    arms[339] = -thumb_fpl_15;
+    ) / thumb_fpl_13;
+    arms[339] = -thumb_fpl_14;
     let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = mul_add(0.004, cos_thumb_ab, 0.008 * sin_thumb_ab);
-    let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
-    let thumb_epl_4 = neg_mul_add(0.008, cos_thumb_ab, 0.004 * sin_thumb_ab);
-    let thumb_epl_5 = -0.008 - thumb_epl_4;
-    let thumb_epl_6 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_7 = -0.012000000000000004 + thumb_epl_6;
-    let thumb_epl_8 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
-        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
+    let thumb_epl_2 = 0.004 * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2);
+    let thumb_epl_4 = thumb_epl_3 + thumb_epl_1;
+    let thumb_epl_5 = 0.004 * sin_thumb_ab;
+    let thumb_epl_6 = neg_mul_add(0.008, cos_thumb_ab, thumb_epl_5);
+    let thumb_epl_7 = -0.008 - thumb_epl_6;
+    let thumb_epl_8 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_9 = -0.012 + thumb_epl_8;
+    let thumb_epl_10 = mul_add(
+        thumb_epl_9,
+        thumb_epl_9,
+        mul_add(thumb_epl_4, thumb_epl_4, thumb_epl_7 * thumb_epl_7),
     );
-    let thumb_epl_9 = 1.0 / sqrt(thumb_epl_8);
-    let thumb_epl_10 = thumb_epl_3 * thumb_epl_9;
-    arms[356] = -mul_add(
-        thumb_epl_4,
-        thumb_epl_10,
-        thumb_epl_2 * (thumb_epl_5 * thumb_epl_9),
+    let thumb_epl_11 = 1.0 / sqrt(thumb_epl_10);
+    arms[356] = -(thumb_epl_11
+        * mul_add(thumb_epl_3, thumb_epl_7, thumb_epl_6 * thumb_epl_4));
+    arms[357] = thumb_epl_11
+        * mul_sub(thumb_epl_8, thumb_epl_4, thumb_epl_1 * thumb_epl_9);
+    let thumb_epl_12 = sqrt(
+        0.00025309000000000003
+            - mul_sub(0.00023099999999999998, cos_thumb_mcp, 0.0001034 * sin_thumb_mcp),
     );
-    arms[357] = mul_sub(
-        thumb_epl_6,
-        thumb_epl_10,
-        thumb_epl_1 * (thumb_epl_7 * thumb_epl_9),
-    );
-    let thumb_epl_11 = neg_mul_add(
-        2.0,
-        mul_sub(0.00011549999999999999, cos_thumb_mcp, 5.17e-5 * sin_thumb_mcp),
-        0.00025309000000000003,
-    );
-    let thumb_epl_12 = mul_add(
+    let thumb_epl_13 = mul_add(
         0.00011549999999999999,
         sin_thumb_mcp,
         5.17e-5 * cos_thumb_mcp,
-    ) / sqrt(thumb_epl_11);
-    arms[358] = thumb_epl_12;
-    let thumb_epl_13 = neg_mul_add(
-        2.0,
-        mul_sub(9.475e-5, cos_thumb_ip, 4.6000000000000014e-5 * sin_thumb_ip),
-        0.00021066000000000002,
+    ) / thumb_epl_12;
+    arms[358] = thumb_epl_13;
+    let thumb_epl_14 = sqrt(
+        0.00021066000000000002
+            - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
     );
     arms[359] = mul_add(9.475e-5, sin_thumb_ip, 4.6000000000000014e-5 * cos_thumb_ip)
-        / sqrt(thumb_epl_13);
-    let thumb_epb_1 = neg_mul_add(
-        0.003999999999999999,
-        cos_thumb_ab,
-        0.005000000000000001 * sin_thumb_ab,
-    );
+        / thumb_epl_14;
+    let thumb_epb_1 = mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
     let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
-    let thumb_epb_3 = mul_add(
-        0.005000000000000001,
-        cos_thumb_ab,
-        0.003999999999999999 * sin_thumb_ab,
-    );
+    let thumb_epb_3 = mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_5);
     let thumb_epb_4 = 0.005 - thumb_epb_3;
-    let thumb_epb_5 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
+    let thumb_epb_5 = -0.012000000000000004 + thumb_epl_8;
+    let thumb_epb_6 = mul_add(
+        thumb_epb_5,
+        thumb_epb_5,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
-    let thumb_epb_6 = 1.0 / sqrt(thumb_epb_5);
-    let thumb_epb_7 = thumb_epb_2 * thumb_epb_6;
-    arms[376] = neg_mul_add(
-        thumb_epb_3,
-        thumb_epb_7,
-        thumb_epb_1 * (thumb_epb_4 * thumb_epb_6),
-    );
-    arms[377] = mul_sub(
-        thumb_epl_6,
-        thumb_epb_7,
-        thumb_epl_1 * (thumb_epl_7 * thumb_epb_6),
-    );
-    arms[378] = thumb_epl_12;
+    let thumb_epb_7 = 1.0 / sqrt(thumb_epb_6);
+    arms[376] = thumb_epb_7
+        * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2);
+    arms[377] = thumb_epb_7
+        * mul_sub(thumb_epl_8, thumb_epb_2, thumb_epl_1 * thumb_epb_5);
+    arms[378] = thumb_epl_13;
     let thumb_apl_1 = neg_mul_add(
         0.007000000000000001,
         cos_thumb_ab,
-        0.012000000000000004 * sin_thumb_ab,
+        0.012000000000000002 * sin_thumb_ab,
     );
     let thumb_apl_2 = 0.006 * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(0.004, sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-        0.012000000000000004,
+        0.012000000000000002,
         cos_thumb_ab,
         0.007000000000000001 * sin_thumb_ab,
     );
     let thumb_apl_6 = 0.012 - thumb_apl_5;
     let thumb_apl_7 = 0.006 * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = -0.005 + thumb_apl_8;
+    let thumb_apl_9 = -0.005000000000000003 + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
     let thumb_apl_11 = 1.0 / sqrt(thumb_apl_10);
-    let thumb_apl_12 = thumb_apl_4 * thumb_apl_11;
-    arms[396] = neg_mul_add(
-        thumb_apl_5,
-        thumb_apl_12,
-        thumb_apl_1 * (thumb_apl_6 * thumb_apl_11),
-    );
-    arms[397] = mul_sub(
-        thumb_apl_8,
-        thumb_apl_12,
-        thumb_apl_3 * (thumb_apl_9 * thumb_apl_11),
-    );
+    arms[396] = thumb_apl_11
+        * mul_sub(thumb_apl_1, thumb_apl_6, thumb_apl_5 * thumb_apl_4);
+    arms[397] = thumb_apl_11
+        * mul_sub(thumb_apl_8, thumb_apl_4, thumb_apl_3 * thumb_apl_9);
     let thumb_apb_1 = neg_mul_add(
         0.00874910502142235,
         cos_thumb_ab,
-        0.003271760106466037 * sin_thumb_ab,
+        0.003271760106466038 * sin_thumb_ab,
     );
     let thumb_apb_2 = mul_sub(0.03, cos_thumb_cmc, 0.007 * sin_thumb_cmc);
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-        0.003271760106466037,
+        0.003271760106466038,
         cos_thumb_ab,
         0.00874910502142235 * sin_thumb_ab,
     );
     let thumb_apb_5 = 0.009 - thumb_apb_4;
     let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
-    let thumb_apb_7 = 0.01329468868119369 - thumb_apb_6;
+    let thumb_apb_7 = 0.013294688681193689 - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
         mul_add(thumb_apb_3, thumb_apb_3, thumb_apb_5 * thumb_apb_5),
     );
     let thumb_apb_9 = 1.0 / sqrt(thumb_apb_8);
-    let thumb_apb_10 = thumb_apb_3 * thumb_apb_9;
-    arms[416] = neg_mul_add(
-        thumb_apb_4,
-        thumb_apb_10,
-        thumb_apb_1 * (thumb_apb_5 * thumb_apb_9),
+    arms[416] = thumb_apb_9
+        * mul_sub(thumb_apb_1, thumb_apb_5, thumb_apb_4 * thumb_apb_3);
+    arms[417] = -(thumb_apb_9
+        * mul_add(thumb_apb_6, thumb_apb_3, thumb_apb_2 * thumb_apb_7));
+    let thumb_apb_10 = sqrt(
+        0.00020423999999999998
+            - neg_mul_add(5.919999999999999e-5, cos_thumb_mcp, 0.0001944 * sin_thumb_mcp),
     );
-    arms[417] = -mul_add(
-        thumb_apb_6,
-        thumb_apb_10,
-        thumb_apb_2 * (thumb_apb_7 * thumb_apb_9),
-    );
-    let thumb_apb_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(2.9599999999999994e-5, cos_thumb_mcp, 9.72e-5 * sin_thumb_mcp),
-        0.00020423999999999998,
-    );
-    let thumb_apb_12 = mul_add(
+    let thumb_apb_11 = mul_add(
         2.9599999999999994e-5,
         sin_thumb_mcp,
         9.72e-5 * cos_thumb_mcp,
-    ) / sqrt(thumb_apb_11);
-    arms[418] = -thumb_apb_12;
+    ) / thumb_apb_10;
+    arms[418] = -thumb_apb_11;
     let thumb_opp_1 = mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
     let thumb_opp_2 = mul_add(
         0.009538977305795334,
         cos_thumb_ab,
-        0.00046527292621430325 * sin_thumb_ab,
+        0.0004652729262143015 * sin_thumb_ab,
     );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        0.00046527292621430325,
+        0.0004652729262143015,
         cos_thumb_ab,
         0.009538977305795334 * sin_thumb_ab,
     );
@@ -1006,55 +1481,40 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
     let thumb_opp_9 = 1.0 / sqrt(thumb_opp_8);
-    let thumb_opp_10 = thumb_opp_3 * thumb_opp_9;
-    arms[436] = -mul_add(
-        thumb_opp_4,
-        thumb_opp_10,
-        thumb_opp_2 * (thumb_opp_5 * thumb_opp_9),
-    );
-    arms[437] = -mul_add(
-        thumb_opp_6,
-        thumb_opp_10,
-        thumb_opp_1 * (thumb_opp_7 * thumb_opp_9),
-    );
+    arms[436] = -(thumb_opp_9
+        * mul_add(thumb_opp_2, thumb_opp_5, thumb_opp_4 * thumb_opp_3));
+    arms[437] = -(thumb_opp_9
+        * mul_add(thumb_opp_6, thumb_opp_3, thumb_opp_1 * thumb_opp_7));
     let thumb_adp_1 = mul_sub(
         0.025486067515228545,
         cos_thumb_ab,
-        0.029821276684971594 * sin_thumb_ab,
+        0.029821276684971587 * sin_thumb_ab,
     );
     let thumb_adp_2 = mul_sub(0.038000000000000006, cos_thumb_cmc, thumb_apl_7);
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-        0.029821276684971594,
+        0.029821276684971587,
         cos_thumb_ab,
         0.025486067515228545 * sin_thumb_ab,
     );
     let thumb_adp_5 = -0.009 + thumb_adp_4;
     let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
-    let thumb_adp_7 = 0.04065896972978512 - thumb_adp_6;
+    let thumb_adp_7 = 0.040658969729785124 - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
     let thumb_adp_9 = 1.0 / sqrt(thumb_adp_8);
-    let thumb_adp_10 = thumb_adp_3 * thumb_adp_9;
-    arms[456] = mul_add(
-        thumb_adp_4,
-        thumb_adp_10,
-        thumb_adp_1 * (thumb_adp_5 * thumb_adp_9),
+    arms[456] = thumb_adp_9
+        * mul_add(thumb_adp_1, thumb_adp_5, thumb_adp_4 * thumb_adp_3);
+    arms[457] = -(thumb_adp_9
+        * mul_add(thumb_adp_6, thumb_adp_3, thumb_adp_2 * thumb_adp_7));
+    let thumb_adp_10 = sqrt(
+        0.00019224000000000004
+            - neg_mul_add(7.12e-5, cos_thumb_mcp, 0.000178 * sin_thumb_mcp),
     );
-    arms[457] = -mul_add(
-        thumb_adp_6,
-        thumb_adp_10,
-        thumb_adp_2 * (thumb_adp_7 * thumb_adp_9),
-    );
-    let thumb_adp_11 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.56e-5, cos_thumb_mcp, 8.9e-5 * sin_thumb_mcp),
-        0.00019224000000000004,
-    );
-    let thumb_adp_12 = mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp)
-        / sqrt(thumb_adp_11);
-    arms[458] = -thumb_adp_12;
+    let thumb_adp_11 = mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp)
+        / thumb_adp_10;
+    arms[458] = -thumb_adp_11;
 }

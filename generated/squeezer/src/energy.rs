@@ -3,11 +3,11 @@
 //! Energy.
 
 use crate::layout::{COORDINATES, PARAMETERS, STRANDS, coordinate, parameter, strand};
-use handc_core::math::{mul_add, neg_mul_add, sin_cos, sqrt};
+use handc_core::math::{mul_add, sin_cos, sqrt};
 
 /// Potential energy (J): gravity, strands, springs and elastic limits.
 ///
-/// 11 operations: 1 sum, 4 products, 2 products with sum, 1 root, 1 sine and cosine.
+/// 10 operations: 2 sums, 4 products, 1 product with sum, 1 root, 1 sine and cosine.
 pub fn potential(
     q: &[f64; COORDINATES],
     rest: &[f64; STRANDS],
@@ -17,11 +17,9 @@ pub fn potential(
     let c0 = params[parameter::C0];
     let rest_spring = rest[strand::SPRING];
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = neg_mul_add(
-        2.0,
-        mul_add(0.00030014000000000017, cos_gamma, 0.0016917 * sin_gamma),
-        0.0048012554,
+    let spring_1 = sqrt(
+        0.0048012554 - mul_add(0.0006002800000000003, cos_gamma, 0.0033834 * sin_gamma),
     );
-    let spring_2 = sqrt(spring_1) - rest_spring;
+    let spring_2 = spring_1 - rest_spring;
     0.5 * (spring_2 * (c0 * spring_2))
 }

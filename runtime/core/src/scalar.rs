@@ -99,7 +99,7 @@ impl Scalar for f64 {
     }
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        f64::sin_cos(self)
+        crate::math::sin_cos(self)
     }
     #[inline]
     fn sqrt(self) -> Self {

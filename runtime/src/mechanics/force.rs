@@ -50,7 +50,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                     Variable::Rate(i) => found.dv.push((i as usize, slope)),
                     Variable::Length(s) => {
                         let path = &self.structure.strands[s as usize];
-                        let length_dq = &workspace.strand.length_dq[s as usize];
+                        let length_dq = &workspace.strand.length_dq[path.span.clone()];
                         for (&coordinate, &dq) in path.coordinates.iter().zip(length_dq) {
                             found.dq.push((coordinate, slope * dq));
                         }

@@ -21,25 +21,42 @@ use handc_core::scalar::Scalar;
 /// A motion (angular, linear at the hub's origin) or a force (moment about it, force).
 #[derive(Clone, Copy, Debug)]
 pub struct Spatial<S> {
-    angular: Vec3<S>,
-    linear: Vec3<S>,
+    pub(super) angular: Vec3<S>,
+    pub(super) linear: Vec3<S>,
 }
 
 impl<S: Scalar> Spatial<S> {
-    fn zero() -> Self {
+    pub(super) fn zero() -> Self {
         Spatial { angular: Vec3::zero(), linear: Vec3::zero() }
     }
     #[inline]
-    fn dot(&self, other: &Self) -> S {
+    pub(super) fn dot(&self, other: &Self) -> S {
         self.angular.dot(other.angular) + self.linear.dot(other.linear)
     }
     #[inline]
-    fn scale(&self, factor: S) -> Self {
+    pub(super) fn scale(&self, factor: S) -> Self {
         Spatial { angular: self.angular.scale(factor), linear: self.linear.scale(factor) }
     }
     #[inline]
-    fn plus(&self, other: &Self) -> Self {
+    pub(super) fn plus(&self, other: &Self) -> Self {
         Spatial { angular: self.angular + other.angular, linear: self.linear + other.linear }
+    }
+    /// This motion in a frame of the hub, at its origin.
+    #[inline]
+    pub(super) fn seen_from(&self, hub_from_frame: &Transform<S>) -> Self {
+        let Transform { rotation, translation } = hub_from_frame;
+        let linear = self.linear + self.angular.cross(*translation);
+        Spatial {
+            angular: rotation.transpose_mul(self.angular),
+            linear: rotation.transpose_mul(linear),
+        }
+    }
+    /// This force, given in a frame of the hub, in the hub.
+    #[inline]
+    pub(super) fn force_carried_to(&self, hub_from_frame: &Transform<S>) -> Self {
+        let Transform { rotation, translation } = hub_from_frame;
+        let linear = *rotation * self.linear;
+        Spatial { angular: *rotation * self.angular + translation.cross(linear), linear }
     }
     /// Motion × motion.
     #[inline]
@@ -61,16 +78,16 @@ impl<S: Scalar> Spatial<S> {
 
 /// Inertia of a body or of a subtree about the hub's origin.
 #[derive(Clone, Copy, Debug)]
-struct Inertia<S> {
-    mass: S,
+pub(crate) struct Inertia<S> {
+    pub(super) mass: S,
     /// Mass times centre.
-    moment: Vec3<S>,
+    pub(super) moment: Vec3<S>,
     /// xx yy zz xy xz yz.
-    rotational: [S; 6],
+    pub(super) rotational: [S; 6],
 }
 
 impl<S: Scalar> Inertia<S> {
-    fn zero() -> Self {
+    pub(super) fn zero() -> Self {
         Inertia { mass: S::zero(), moment: Vec3::zero(), rotational: [S::zero(); 6] }
     }
     #[inline]
@@ -83,13 +100,34 @@ impl<S: Scalar> Inertia<S> {
     }
     /// Momentum of the motion.
     #[inline]
-    fn times(&self, motion: &Spatial<S>) -> Spatial<S> {
+    pub(super) fn times(&self, motion: &Spatial<S>) -> Spatial<S> {
         let [xx, yy, zz, xy, xz, yz] = self.rotational;
         let rotational = Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
         Spatial {
             angular: rotational * motion.angular + self.moment.cross(motion.linear),
             linear: motion.linear.scale(self.mass) - self.moment.cross(motion.angular),
         }
+    }
+    /// This inertia, given in a frame of the hub, in the hub.
+    pub(super) fn carried_to(&self, hub_from_frame: &Transform<S>) -> Self {
+        let Transform { rotation: r, translation: t } = *hub_from_frame;
+        let [xx, yy, zz, xy, xz, yz] = self.rotational;
+        let turned = r * Mat3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+        let entry = |i: usize, j: usize| Vec3(turned.0[i]).dot(Vec3(r.0[j]));
+        let (m, [x, y, z]) = (r * self.moment, t.0);
+        let moment = m + t.scale(self.mass);
+        // Shifting adds t and the moments before and after, each once.
+        let [a, b, c] = (m + moment).0;
+        let ([_, my, mz], [nx, ny, _]) = (m.0, moment.0);
+        let rotational = [
+            entry(0, 0) + (y * b + z * c),
+            entry(1, 1) + (x * a + z * c),
+            entry(2, 2) + (x * a + y * b),
+            entry(0, 1) - (x * my + nx * y),
+            entry(0, 2) - (x * mz + nx * z),
+            entry(1, 2) - (y * mz + ny * z),
+        ];
+        Inertia { mass: self.mass, moment, rotational }
     }
     /// The lump of a link placed in the hub.
     #[inline]
@@ -126,6 +164,14 @@ pub struct Scratch<S> {
 }
 
 impl<S: Scalar> Scratch<S> {
+    /// `hub_from_link` of a link and its velocity.
+    pub(super) fn placed(&self, link: u32) -> (Transform<S>, Spatial<S>) {
+        (self.hub_from_link[link as usize], self.velocity[link as usize])
+    }
+    /// Screw of a joint and its rate.
+    pub(super) fn screws(&self, link: u32) -> (Spatial<S>, Spatial<S>) {
+        (self.screw[link as usize], self.screw_dot[link as usize])
+    }
     pub(crate) fn new(count: usize) -> Self {
         Scratch {
             hub_from_link: vec![Transform::identity(); count],
@@ -150,8 +196,14 @@ impl<S: Scalar> Mechanics<'_, S> {
         for tree in &self.structure.trees {
             let hub_from_world = self.place_tree(workspace, tree, q);
             self.move_tree(workspace, tree, v);
-            self.sum_subtrees(workspace, tree);
+            self.place_lumps(workspace, tree);
             let gravity = self.numbers.gravity.map(|g| hub_from_world * g);
+            for &run in &tree.runs {
+                self.move_run(workspace, run, tree.base == Some(run), v);
+                self.add_run(workspace, run, gravity, terms);
+                self.load_parent(workspace, run);
+            }
+            self.sum_subtrees(workspace, tree);
             for &link in &tree.links {
                 self.add_link(workspace, link, gravity, terms);
             }
@@ -164,6 +216,19 @@ impl<S: Scalar> Mechanics<'_, S> {
             self.place_tree(workspace, tree, q);
             let zero = vec![S::zero(); self.structure.count];
             self.move_tree(workspace, tree, &zero);
+            self.place_lumps(workspace, tree);
+            let mut write = |row: usize, column: usize, value: S| {
+                for (r, c) in [(row, column), (column, row)] {
+                    if let Some(slot) = self.structure.slot(r, c) {
+                        matrix[slot] = value;
+                    }
+                }
+            };
+            for &run in &tree.runs {
+                self.move_run(workspace, run, tree.base == Some(run), &zero);
+                self.write_run_mass(workspace, run, &mut write);
+                self.load_parent(workspace, run);
+            }
             self.sum_subtrees(workspace, tree);
             let scratch = &workspace.inertia;
             for &j in &tree.links {
@@ -172,12 +237,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 let mut at = Some(j);
                 while let Some(k) = at {
                     let column = self.structure.coordinate_of[k as usize];
-                    let value = scratch.screw[k as usize].dot(&momentum);
-                    for (r, c) in [(row, column), (column, row)] {
-                        if let Some(slot) = self.structure.slot(r, c) {
-                            matrix[slot] = value;
-                        }
-                    }
+                    write(row, column, scratch.screw[k as usize].dot(&momentum));
                     at = self.structure.parents[k as usize];
                 }
             }
@@ -186,10 +246,17 @@ impl<S: Scalar> Mechanics<'_, S> {
 
     /// Transforms and screws in the hub; returns the rotation `hub_from_world`.
     fn place_tree(&self, workspace: &mut Workspace<S>, tree: &Tree, q: &[S]) -> Mat3<S> {
-        let mut hub_from = Transform::identity();
+        let mut hub_from = match tree.base {
+            Some(run) => self.numbers.runs[run].parent_from_run.inverse(),
+            None => Transform::identity(),
+        };
         for &link in tree.trunk.iter().rev() {
             let l = link as usize;
             workspace.inertia.hub_from_link[l] = hub_from;
+            if self.structure.parents[l].is_none() && self.numbers.gravity.is_none() {
+                // Nothing asks for the world.
+                break;
+            }
             let joint = &self.numbers.joints[l];
             // Up the trunk: hub_from_parent = hub_from_link · (parent_from_joint · motion)⁻¹.
             let mut rotation = hub_from.rotation;
@@ -248,8 +315,8 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// Inertia and momentum of every subtree.
-    fn sum_subtrees(&self, workspace: &mut Workspace<S>, tree: &Tree) {
+    /// Inertia and momentum of every link alone.
+    fn place_lumps(&self, workspace: &mut Workspace<S>, tree: &Tree) {
         let scratch = &mut workspace.inertia;
         for &link in &tree.links {
             let l = link as usize;
@@ -265,6 +332,22 @@ impl<S: Scalar> Mechanics<'_, S> {
                 }
             }
         }
+    }
+
+    /// Lets what carries a run feel it.
+    fn load_parent(&self, workspace: &mut Workspace<S>, run: usize) {
+        if let Some(parent) = self.structure.runs[run].parent {
+            let (inertia, momentum) = self.sum_run(workspace, run);
+            let scratch = &mut workspace.inertia;
+            scratch.inertia[parent as usize].add(&inertia);
+            let sum = scratch.momentum[parent as usize].plus(&momentum);
+            scratch.momentum[parent as usize] = sum;
+        }
+    }
+
+    /// Inertia and momentum of every subtree.
+    fn sum_subtrees(&self, workspace: &mut Workspace<S>, tree: &Tree) {
+        let scratch = &mut workspace.inertia;
         for &link in tree.links.iter().rev() {
             let l = link as usize;
             if let Some(parent) = self.structure.parents[l] {
@@ -318,8 +401,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 terms.add(self.structure, row, row, even);
             } else {
                 let odd = half * (s.dot(&e) - s_dot.dot(&f));
-                terms.add(self.structure, row, column, even + odd);
-                terms.add(self.structure, column, row, even - odd);
+                terms.add_pair(self.structure.pair(row, column), even, odd);
             }
             at = self.structure.parents[k as usize];
         }

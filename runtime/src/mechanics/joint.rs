@@ -7,7 +7,7 @@ impl<S: Scalar> Mechanics<'_, S> {
     /// Adds −c·q̇, the spring ½k(q − rest)² and the stops ½k·(excess over a limit)².
     pub(crate) fn add_joints(&self, at: &At<S>, terms: &mut Terms<S>) {
         let step = terms.matrix.as_ref().map(|(h, _)| *h);
-        for (i, coordinate) in self.numbers.coordinates.iter().enumerate() {
+        for &(i, coordinate) in &self.numbers.coordinates {
             let (q, v) = (at.q[i], at.v[i]);
             if let Some(c) = coordinate.damping {
                 terms.force[i] -= c * v;
@@ -39,7 +39,8 @@ impl<S: Scalar> Mechanics<'_, S> {
     /// Potential of springs and stops.
     pub(crate) fn joint_potential(&self, q: &[S]) -> S {
         let mut energy = S::zero();
-        for (coordinate, &q) in self.numbers.coordinates.iter().zip(q) {
+        for &(i, coordinate) in &self.numbers.coordinates {
+            let q = q[i];
             if let Some((k, rest)) = coordinate.spring {
                 energy += (k * (q - rest) * (q - rest)).scale(0.5);
             }

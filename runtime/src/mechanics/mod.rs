@@ -13,13 +13,14 @@ pub mod energy;
 pub mod force;
 pub mod inertia;
 pub mod joint;
+mod run;
 pub mod segment;
 pub mod strand;
 pub mod world;
 
 use crate::mechanism::Mechanism;
 use crate::resolved::Resolved;
-use crate::structure::Structure;
+use crate::structure::{Pair, Structure};
 use handc_core::scalar::Scalar;
 
 /// A mechanism ready to be evaluated over the scalar `S`.
@@ -60,11 +61,36 @@ pub struct Terms<'a, S> {
 }
 
 impl<S: Scalar> Terms<'_, S> {
-    /// Adds `weight(h) · value` at (i, j), if a matrix is wanted and both coordinates are dynamic.
+    /// Adds `value` at (i, j), if a matrix is wanted and both coordinates are dynamic.
     #[inline]
     fn add(&mut self, structure: &Structure, i: usize, j: usize, value: S) {
         if let (Some((_, matrix)), Some(slot)) = (&mut self.matrix, structure.slot(i, j)) {
             matrix[slot] += value;
+        }
+    }
+    /// Adds `even + odd` at (i, j) and `even − odd` at (j, i), before [`Terms::unfold`].
+    #[inline]
+    fn add_pair(&mut self, pair: Option<Pair>, even: S, odd: S) {
+        if let (Some((_, matrix)), Some(pair)) = (&mut self.matrix, pair) {
+            matrix[pair.even] += even;
+            matrix[pair.odd] += if pair.is_above { -odd } else { odd };
+        }
+    }
+    /// Turns even parts below the diagonals and odd parts above them into the matrix. What is even
+    /// by nature is so summed once and not twice.
+    fn unfold(&mut self, structure: &Structure) {
+        let Some((_, matrix)) = &mut self.matrix else { return };
+        for block in &structure.blocks {
+            let count = block.coordinates.len();
+            for i in 1..count {
+                for j in 0..i {
+                    let lower = block.matrix_offset + i * count + j;
+                    let upper = block.matrix_offset + j * count + i;
+                    let (even, odd) = (matrix[lower], matrix[upper]);
+                    matrix[lower] = even + odd;
+                    matrix[upper] = even - odd;
+                }
+            }
         }
     }
 }
@@ -74,6 +100,7 @@ impl<S: Scalar> Terms<'_, S> {
 pub struct Workspace<S> {
     pub(crate) sin_cos: Vec<(S, S)>,
     pub(crate) inertia: inertia::Scratch<S>,
+    pub(crate) run: run::Scratch<S>,
     pub(crate) strand: strand::Scratch<S>,
     pub(crate) world: Vec<world::WorldLink<S>>,
     pub(crate) values: Vec<S>,
@@ -85,6 +112,7 @@ impl<S: Scalar> Workspace<S> {
         Workspace {
             sin_cos: vec![(S::zero(), S::one()); structure.count],
             inertia: inertia::Scratch::new(structure.count),
+            run: run::Scratch::new(),
             strand: strand::Scratch::new(structure),
             world: vec![world::WorldLink::default(); structure.count],
             values: Vec::new(),
@@ -112,6 +140,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         self.prepare(workspace, at.q);
         self.add_inertia(workspace, at.q, at.v, &mut terms);
         self.add_strands(workspace, at.q, at.rest, &mut terms);
+        terms.unfold(self.structure);
         self.add_joints(at, &mut terms);
         self.add_torques(workspace, at, &mut terms);
         self.add_forces(workspace, at, &mut terms);

@@ -1,19 +1,18 @@
 //! The distance between two points on different links, with exact derivatives.
 //!
 //! A segment is evaluated in the axes of the link midway between its ends, so that it depends on
-//! nothing but the joints between them. Writing w for the (signed) axis of a joint and r for the
-//! derivative of p₂ − p₁ by its coordinate, u for the unit vector from p₁ to p₂ and d for the
-//! distance,
+//! nothing but the joints between them. Writing w for the (signed) axis of a joint, r for the motion
+//! of the end on its side by its coordinate, P for p₂ − p₁ and d for its length,
 //!
-//! d_j = u·r_j,  d_jk = (r_j·r_k − d_j d_k)/d + u·(w_j × r_k)
+//! d_j = ±P·r_j/d,  d_jk = (D_jk − d_j d_k)/d
 //!
-//! with j the joint nearer the middle, and without the last term where the two joints lie on
-//! opposite sides. Over a single hinge d² = K − 2y with y = A cos q + B sin q + const, which needs
-//! no vectors at all.
+//! with + on the second side, D_jk = −r_j·r_k across the middle and D_jk = s_j·r_k on one side, j the
+//! joint nearer the middle and s_j the motion of the other end, were it carried by joint j.
+//! Over a single hinge d² = K − 2y with y = A cos q + B sin q, which needs no vectors at all.
 
 use super::Mechanics;
 use super::world::rotate_vector;
-use crate::resolved::Joint;
+use crate::resolved::{Hinge, HingeEnd, Joint, ResolvedSegment};
 use crate::structure::{PathStep, SegmentPath};
 use crate::vector::Vec3;
 use handc_core::scalar::Scalar;
@@ -36,127 +35,178 @@ pub(crate) struct Crossing<S> {
     rotates: bool,
     /// Signed axis in the middle's axes.
     axis: Vec3<S>,
-    /// Derivative of p₂ − p₁.
-    r: Vec3<S>,
-    /// d_j.
-    pub(crate) length_dq: S,
+    /// The end on this side, from the joint.
+    arm: Vec3<S>,
+    /// Advance along the axis, if any.
+    advance: Option<S>,
+    /// r: motion of the end.
+    motion: Vec3<S>,
+    /// s: motion of the other end, were it carried too.
+    other: Vec3<S>,
 }
 
-/// Scratch and results of one segment.
+/// The segments of one strand: lengths summed, the rest one after another.
 #[derive(Clone, Debug)]
-pub(crate) struct Segment<S> {
-    /// Distance.
+pub(crate) struct Segments<S> {
+    /// Sum of the lengths.
     pub(crate) length: S,
-    /// Joints crossed: those of the first side, then those of the second, innermost last on each.
-    pub(crate) crossings: Vec<Crossing<S>>,
-    /// d_jk, lower triangle, row by row of `crossings`, if wanted.
-    pub(crate) length_dqdq: Vec<S>,
+    /// 1/d of each segment.
+    pub(crate) inverse: Vec<S>,
+    /// d_j of each segment: joints of the first side, then of the second, innermost last on each.
+    pub(crate) length_dq: Vec<S>,
+    /// D_jk of each segment, lower triangle.
+    pub(crate) squares: Vec<S>,
+    crossings: Vec<Crossing<S>>,
 }
 
-impl<S: Scalar> Segment<S> {
+impl<S: Scalar> Segments<S> {
     pub(crate) fn new() -> Self {
-        Segment { length: S::zero(), crossings: Vec::new(), length_dqdq: Vec::new() }
+        Segments {
+            length: S::zero(),
+            inverse: Vec::new(),
+            length_dq: Vec::new(),
+            squares: Vec::new(),
+            crossings: Vec::new(),
+        }
+    }
+    /// Forgets the last strand; a part of the next one has the length given.
+    pub(crate) fn begin(&mut self, length: S) {
+        self.length = length;
+        self.inverse.clear();
+        self.length_dq.clear();
+        self.squares.clear();
+    }
+    /// Adds a segment over a hinge of sine and cosine (s, c).
+    #[inline]
+    fn hinge(&mut self, hinge: &Hinge<S>, (s, c): (S, S), order: Order) {
+        let twice = hinge.twice_cosine * c + hinge.twice_sine * s;
+        let length = (hinge.constant - twice).sqrt();
+        self.length += length;
+        if order == Order::Length {
+            return;
+        }
+        let inverse = length.recip();
+        self.length_dq.push((hinge.cosine * s - hinge.sine * c) * inverse);
+        if order == Order::Second {
+            self.inverse.push(inverse);
+            self.squares.push(twice.scale(0.5));
+        }
+    }
+
+    /// Adds a segment over one hinge on each side.
+    #[inline]
+    fn hinge_pair(
+        &mut self,
+        first: &HingeEnd<S>,
+        second: &HingeEnd<S>,
+        [turn1, turn2]: [(S, S); 2],
+        order: Order,
+    ) {
+        let (arm1, arm2) = (first.arm(turn1), second.arm(turn2));
+        let difference = (arm2 + second.origin) - (arm1 + first.origin);
+        let length = difference.norm_squared().sqrt();
+        self.length += length;
+        if order == Order::Length {
+            return;
+        }
+        let inverse = length.recip();
+        let signed = |value: S, positive: bool| if positive { value } else { -value };
+        // P·r, but for the sign of a joint that carries the middle instead.
+        let (lever1, lever2) =
+            (first.axis.triple(arm1, difference), second.axis.triple(arm2, difference));
+        self.length_dq.push(signed(lever1 * inverse, !first.is_carried));
+        self.length_dq.push(signed(lever2 * inverse, second.is_carried));
+        if order == Order::Second {
+            let opposite = first.is_carried != second.is_carried;
+            self.inverse.push(inverse);
+            let motions = first.axis.cross(arm1).dot(second.axis.cross(arm2));
+            self.squares.push(first.axis.across(arm1 + difference, arm1));
+            self.squares.push(signed(motions, opposite));
+            self.squares.push(second.axis.across(arm2 - difference, arm2));
+        }
+    }
+}
+
+impl<S: Scalar> HingeEnd<S> {
+    /// From the joint to the point, in the middle's axes.
+    #[inline]
+    fn arm(&self, (s, c): (S, S)) -> Vec3<S> {
+        let s = if self.is_carried { s } else { -s };
+        rotate_vector(&self.axis, (s, c), self.point)
     }
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
-    /// Length of a segment, with derivatives up to `order`.
+    /// Adds a segment, with derivatives up to `order`.
+    #[inline]
     pub(crate) fn segment(
         &self,
         sin_cos: &[(S, S)],
         q: &[S],
         path: &SegmentPath,
-        (first, second_point): (Vec3<S>, Vec3<S>),
+        resolved: &ResolvedSegment<S>,
         order: Order,
-        out: &mut Segment<S>,
+        out: &mut Segments<S>,
     ) {
-        out.crossings.clear();
-        out.length_dqdq.clear();
-        if let ([], [step]) = (path.first.as_slice(), path.second.as_slice()) {
-            let joint = &self.numbers.joints[step.link() as usize];
-            if joint.rotates && joint.advance.is_none() {
-                let (parent, child) = match step {
-                    PathStep::Up(_) => (first, second_point),
-                    PathStep::Down(_) => (second_point, first),
-                };
-                self.hinge_segment(sin_cos, step.link(), parent, child, order, out);
-                return;
+        match resolved {
+            ResolvedSegment::Hinge(link, hinge) => {
+                out.hinge(hinge, sin_cos[*link as usize], order);
             }
-        }
-        if order == Order::Length {
-            let p1 = self.place_along(sin_cos, q, &path.first, first);
-            let p2 = self.place_along(sin_cos, q, &path.second, second_point);
-            out.length = (p2 - p1).norm_squared().sqrt();
-            return;
-        }
-        let p1 = self.walk(sin_cos, q, &path.first, first, &mut out.crossings, 0);
-        let split = out.crossings.len();
-        for crossing in &mut out.crossings {
-            crossing.r = -crossing.r;
-        }
-        let p2 = self.walk(sin_cos, q, &path.second, second_point, &mut out.crossings, split);
-        let difference = p2 - p1;
-        let length = difference.norm_squared().sqrt();
-        let inverse = length.recip();
-        let unit = difference.scale(inverse);
-        out.length = length;
-        for crossing in &mut out.crossings {
-            crossing.length_dq = unit.dot(crossing.r);
-        }
-        if order != Order::Second {
-            return;
-        }
-        let count = out.crossings.len();
-        out.length_dqdq.resize(count * count, S::zero());
-        for i in 0..count {
-            for j in 0..=i {
-                let (inner, outer) = (&out.crossings[j], &out.crossings[i]);
-                let mut value =
-                    (inner.r.dot(outer.r) - inner.length_dq * outer.length_dq) * inverse;
-                // On one side the later crossing is nearer the middle and carries the earlier.
-                if (i < split) == (j < split) && outer.rotates {
-                    value += unit.dot(outer.axis.cross(inner.r));
-                }
-                out.length_dqdq[i * count + j] = value;
+            ResolvedSegment::HingePair(first, second) => {
+                let sin_cos = [sin_cos[first.link as usize], sin_cos[second.link as usize]];
+                out.hinge_pair(first, second, sin_cos, order);
+            }
+            ResolvedSegment::Ends(first, second) if order == Order::Length => {
+                let p1 = self.place_along(sin_cos, q, &path.first, *first);
+                let p2 = self.place_along(sin_cos, q, &path.second, *second);
+                out.length += (p2 - p1).norm_squared().sqrt();
+            }
+            ResolvedSegment::Ends(first, second) => {
+                self.long_segment(sin_cos, q, path, (*first, *second), order, out);
             }
         }
     }
 
-    /// Over one hinge: d² = K − 2y, d' = −y'/d, d'' = −(y'' + d'²)/d.
-    fn hinge_segment(
+    /// A segment over any joints.
+    fn long_segment(
         &self,
         sin_cos: &[(S, S)],
-        link: u32,
-        parent: Vec3<S>,
-        child: Vec3<S>,
+        q: &[S],
+        path: &SegmentPath,
+        (first, second): (Vec3<S>, Vec3<S>),
         order: Order,
-        out: &mut Segment<S>,
+        out: &mut Segments<S>,
     ) {
-        let joint = &self.numbers.joints[link as usize];
-        let mut a = parent - joint.origin;
-        if let Some(rotation) = joint.rotation {
-            a = rotation.transpose_mul(a);
-        }
-        let b = child;
-        let along = joint.axis.dot(a) * joint.axis.dot(b);
-        let two = S::constant(2.0);
-        let cosine = a.dot(b) - along;
-        let sine = joint.axis.dot(b.cross(a));
-        let constant = a.norm_squared() + b.norm_squared() - two * along;
-        let (s, c) = sin_cos[link as usize];
-        let y = cosine * c + sine * s;
-        let length = (constant - two * y).sqrt();
+        let crossings = &mut out.crossings;
+        crossings.clear();
+        let p1 = self.walk(sin_cos, q, &path.first, first, crossings, 0);
+        let split = crossings.len();
+        let p2 = self.walk(sin_cos, q, &path.second, second, crossings, split);
+        let difference = p2 - p1;
+        let length = difference.norm_squared().sqrt();
         let inverse = length.recip();
-        let length_dq = (cosine * s - sine * c) * inverse;
-        out.length = length;
-        out.crossings.push(Crossing {
-            rotates: true,
-            axis: Vec3::zero(),
-            r: Vec3::zero(),
-            length_dq,
-        });
-        if order == Order::Second {
-            out.length_dqdq.push((y - length_dq * length_dq) * inverse);
+        out.length += length;
+        let (before, after) = crossings.split_at_mut(split);
+        for crossing in before {
+            crossing.arrive(difference);
+            out.length_dq.push(-(difference.dot(crossing.motion) * inverse));
+        }
+        for crossing in after {
+            crossing.arrive(-difference);
+            out.length_dq.push(difference.dot(crossing.motion) * inverse);
+        }
+        if order != Order::Second {
+            return;
+        }
+        out.inverse.push(inverse);
+        for (i, nearer) in out.crossings.iter().enumerate() {
+            for (j, outer) in out.crossings[..=i].iter().enumerate() {
+                out.squares.push(if (i < split) == (j < split) {
+                    nearer.other.dot(outer.motion)
+                } else {
+                    -nearer.motion.dot(outer.motion)
+                });
+            }
         }
     }
 
@@ -168,24 +218,42 @@ impl<S: Scalar> Mechanics<'_, S> {
         steps: &[PathStep],
         point: Vec3<S>,
     ) -> Vec3<S> {
-        steps.iter().fold(point, |p, step| {
+        let mut p = point;
+        for step in steps {
             let link = step.link() as usize;
             let joint = &self.numbers.joints[link];
             let (s, c) = sin_cos[link];
-            let turn = |v: Vec3<S>, sine: S| {
-                if joint.rotates { rotate_vector(&joint.axis, (sine, c), v) } else { v }
-            };
             let slide = joint.advance.map(|advance| {
                 joint.axis.vector().scale(q[self.structure.coordinate_of[link]] * advance)
             });
-            let slide = slide.unwrap_or_else(Vec3::zero);
-            match (step, joint.rotation) {
-                (PathStep::Up(_), None) => turn(p, s) + slide + joint.origin,
-                (PathStep::Up(_), Some(r)) => r * (turn(p, s) + slide) + joint.origin,
-                (PathStep::Down(_), None) => turn(p - joint.origin - slide, -s),
-                (PathStep::Down(_), Some(r)) => turn(r.transpose_mul(p - joint.origin) - slide, -s),
+            match step {
+                PathStep::Up(_) => {
+                    if joint.rotates {
+                        p = rotate_vector(&joint.axis, (s, c), p);
+                    }
+                    if let Some(slide) = slide {
+                        p += slide;
+                    }
+                    if let Some(rotation) = &joint.rotation {
+                        p = *rotation * p;
+                    }
+                    p += joint.origin;
+                }
+                PathStep::Down(_) => {
+                    p -= joint.origin;
+                    if let Some(rotation) = &joint.rotation {
+                        p = rotation.transpose_mul(p);
+                    }
+                    if let Some(slide) = slide {
+                        p -= slide;
+                    }
+                    if joint.rotates {
+                        p = rotate_vector(&joint.axis, (-s, c), p);
+                    }
+                }
             }
-        })
+        }
+        p
     }
 
     /// Takes a point along a path; crossings from `start` on are turned with it.
@@ -202,65 +270,82 @@ impl<S: Scalar> Mechanics<'_, S> {
         for step in steps {
             let link = step.link() as usize;
             let joint = &self.numbers.joints[link];
-            let coordinate = self.structure.coordinate_of[link];
             let (s, c) = sin_cos[link];
             let axis = joint.axis.vector();
-            let turn = |v: Vec3<S>, sine: S| {
-                if joint.rotates { rotate_vector(&joint.axis, (sine, c), v) } else { v }
-            };
-            let slide = joint.advance.map(|advance| axis.scale(q[coordinate] * advance));
+            let slide = joint
+                .advance
+                .map(|advance| axis.scale(q[self.structure.coordinate_of[link]] * advance));
             match step {
                 PathStep::Up(_) => {
-                    p = turn(p, s);
-                    self.turn_all(&mut crossings[start..], |v| turn(v, s));
-                    crossings.push(crossing(joint, p, false));
+                    if joint.rotates {
+                        p = rotate_vector(&joint.axis, (s, c), p);
+                        turn_all(&mut crossings[start..], |v| {
+                            rotate_vector(&joint.axis, (s, c), v)
+                        });
+                    }
+                    crossings.push(Crossing::new(joint, axis, p));
                     if let Some(slide) = slide {
                         p += slide;
                     }
-                    if let Some(rotation) = joint.rotation {
-                        p = rotation * p;
-                        self.turn_all(&mut crossings[start..], |v| rotation * v);
+                    if let Some(rotation) = &joint.rotation {
+                        p = *rotation * p;
+                        turn_all(&mut crossings[start..], |v| *rotation * v);
                     }
                     p += joint.origin;
                 }
                 PathStep::Down(_) => {
                     p -= joint.origin;
-                    if let Some(rotation) = joint.rotation {
+                    if let Some(rotation) = &joint.rotation {
                         p = rotation.transpose_mul(p);
-                        self.turn_all(&mut crossings[start..], |v| rotation.transpose_mul(v));
+                        turn_all(&mut crossings[start..], |v| rotation.transpose_mul(v));
                     }
                     if let Some(slide) = slide {
                         p -= slide;
                     }
-                    p = turn(p, -s);
-                    self.turn_all(&mut crossings[start..], |v| turn(v, -s));
-                    crossings.push(crossing(joint, p, true));
+                    if joint.rotates {
+                        p = rotate_vector(&joint.axis, (-s, c), p);
+                        turn_all(&mut crossings[start..], |v| {
+                            rotate_vector(&joint.axis, (-s, c), v)
+                        });
+                    }
+                    crossings.push(Crossing::new(joint, -axis, p));
                 }
             }
         }
         p
     }
+}
 
-    #[inline]
-    fn turn_all(&self, crossings: &mut [Crossing<S>], turn: impl Fn(Vec3<S>) -> Vec3<S>) {
-        for crossing in crossings {
-            crossing.axis = turn(crossing.axis);
-            crossing.r = turn(crossing.r);
-        }
+#[inline]
+fn turn_all<S: Scalar>(crossings: &mut [Crossing<S>], turn: impl Fn(Vec3<S>) -> Vec3<S>) {
+    for crossing in crossings {
+        crossing.axis = turn(crossing.axis);
+        crossing.arm = turn(crossing.arm);
     }
 }
 
-/// The joint just crossed by the point `p`, given in the joint's own axes.
-#[inline]
-fn crossing<S: Scalar>(joint: &Joint<S>, p: Vec3<S>, downward: bool) -> Crossing<S> {
-    let axis = joint.axis.vector();
-    let mut r = if joint.rotates { joint.axis.cross(p) } else { Vec3::zero() };
-    if let Some(advance) = joint.advance {
-        r += axis.scale(advance);
+impl<S: Scalar> Crossing<S> {
+    /// The joint just crossed by the point `p`, given in the joint's own axes.
+    #[inline]
+    fn new(joint: &Joint<S>, axis: Vec3<S>, p: Vec3<S>) -> Self {
+        let zero = Vec3::zero();
+        Crossing {
+            rotates: joint.rotates,
+            axis,
+            arm: p,
+            advance: joint.advance,
+            motion: zero,
+            other: zero,
+        }
     }
-    let mut w = if joint.rotates { axis } else { Vec3::zero() };
-    if downward {
-        (r, w) = (-r, -w);
+    /// Works out r and s in the middle, where the other end is `beyond` this one.
+    #[inline]
+    fn arrive(&mut self, beyond: Vec3<S>) {
+        let slide = self.advance.map_or_else(Vec3::zero, |advance| self.axis.scale(advance));
+        (self.motion, self.other) = (slide, slide);
+        if self.rotates {
+            self.motion += self.axis.cross(self.arm);
+            self.other += self.axis.cross(self.arm + beyond);
+        }
     }
-    Crossing { rotates: joint.rotates, axis: w, r, length_dq: S::zero() }
 }

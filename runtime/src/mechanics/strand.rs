@@ -1,6 +1,6 @@
 //! Strands: V = ½k(x − x₀)² over the length x of a path, its gradient and its Hessian.
 
-use super::segment::{Order, Segment};
+use super::segment::{Order, Segments};
 use super::{Mechanics, Terms, Workspace};
 use crate::structure::Structure;
 use handc_core::scalar::Scalar;
@@ -8,25 +8,22 @@ use handc_core::scalar::Scalar;
 /// Scratch of one evaluation.
 #[derive(Clone, Debug)]
 pub struct Scratch<S> {
-    segment: Segment<S>,
+    /// Segments of one strand.
+    segments: Segments<S>,
     /// Length of every strand.
     pub(crate) lengths: Vec<S>,
-    /// Derivatives of every strand's length by the coordinates of its path.
-    pub(crate) length_dq: Vec<Vec<S>>,
-    length_dqdq: Vec<S>,
+    /// Derivatives of every strand's length by the coordinates of its path, one after another
+    /// ([`StrandPath::span`](crate::structure::StrandPath)).
+    pub(crate) length_dq: Vec<S>,
 }
 
 impl<S: Scalar> Scratch<S> {
     pub(crate) fn new(structure: &Structure) -> Self {
+        let strands = &structure.strands;
         Scratch {
-            segment: Segment::new(),
-            lengths: vec![S::zero(); structure.strands.len()],
-            length_dq: structure
-                .strands
-                .iter()
-                .map(|path| vec![S::zero(); path.coordinates.len()])
-                .collect(),
-            length_dqdq: Vec::new(),
+            segments: Segments::new(),
+            lengths: vec![S::zero(); strands.len()],
+            length_dq: vec![S::zero(); strands.last().map_or(0, |path| path.span.end)],
         }
     }
 }
@@ -42,36 +39,63 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         let quarter = terms.matrix.as_ref().map(|(h, _)| h.scale(0.25));
         let order = if quarter.is_some() { Order::Second } else { Order::First };
-        for index in 0..self.numbers.strands.len() {
+        for (index, path) in self.structure.strands.iter().enumerate() {
             self.strand_length(workspace, q, index, order);
             let scratch = &workspace.strand;
-            let coordinates = &self.structure.strands[index].coordinates;
             let stiffness = self.numbers.strands[index].stiffness;
             let tension = stiffness * (scratch.lengths[index] - rest[index]);
-            let length_dq = &scratch.length_dq[index];
-            for (i, &row) in coordinates.iter().enumerate() {
-                terms.force[row] -= tension * length_dq[i];
+            let length_dq = &scratch.length_dq[path.span.clone()];
+            for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
+                terms.force[row] -= tension * dq;
             }
-            let (Some(quarter), Some((_, matrix))) = (quarter, &mut terms.matrix) else { continue };
-            let (k, f) = (stiffness * quarter, tension * quarter);
-            let count = coordinates.len();
-            let mut slots = self.structure.strands[index].slots.iter();
-            for i in 0..count {
-                let k_length_dq = k * length_dq[i];
-                for j in 0..=i {
-                    let Some(&Some((lower, upper))) = slots.next() else { continue };
-                    let value = k_length_dq * length_dq[j] + f * scratch.length_dqdq[i * count + j];
-                    matrix[lower] -= value;
-                    if i != j {
-                        matrix[upper] -= value;
+            if let (Some(quarter), Some((_, matrix))) = (quarter, &mut terms.matrix) {
+                self.add_stiffness(
+                    workspace,
+                    index,
+                    (stiffness * quarter, tension * quarter),
+                    matrix,
+                );
+            }
+        }
+    }
+
+    /// Subtracts k·x_i x_j + f·x_ij of the strand just evaluated, below the diagonals of `matrix`.
+    /// With d_ij = (D_ij − d_i d_j)/d, the products of a pair that only one segment crosses are
+    /// taken together, (k − f/d)·d_i d_j + (f/d)·D_ij.
+    fn add_stiffness(
+        &self,
+        workspace: &Workspace<S>,
+        index: usize,
+        (k, f): (S, S),
+        matrix: &mut [S],
+    ) {
+        let path = &self.structure.strands[index];
+        let Scratch { segments, length_dq, .. } = &workspace.strand;
+        let length_dq = &length_dq[path.span.clone()];
+        for &(row, column, slot) in &path.apart {
+            matrix[slot] -= k * length_dq[row] * length_dq[column];
+        }
+        let mut first = 0;
+        let mut squares = segments.squares.iter();
+        for (segment, &inverse) in path.segments.iter().zip(&segments.inverse) {
+            let across = f * inverse;
+            let along = if path.crosses_once { k - across } else { -across };
+            let dq = &segments.length_dq[first..first + segment.positions.len()];
+            first += dq.len();
+            let mut entries = segment.slots.iter().zip(&mut squares);
+            for (i, &row_dq) in dq.iter().enumerate() {
+                let row = along * row_dq;
+                for (&column_dq, (slot, &square)) in dq[..=i].iter().zip(&mut entries) {
+                    if let Some(slot) = *slot {
+                        matrix[slot] -= row * column_dq + across * square;
                     }
                 }
             }
         }
     }
 
-    /// Length of strand `index` and its derivatives, into the workspace; second derivatives (lower
-    /// triangle, in the order of the path's coordinates) if wanted.
+    /// Length of strand `index` and its derivatives, into the workspace; what second derivatives are
+    /// made of stays with the segments, if wanted.
     pub(crate) fn strand_length(
         &self,
         workspace: &mut Workspace<S>,
@@ -81,39 +105,21 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         let path = &self.structure.strands[index];
         let numbers = &self.numbers.strands[index];
-        let count = path.coordinates.len();
-        let scratch = &mut workspace.strand;
-        let mut length = numbers.constant_length;
-        let length_dq = &mut scratch.length_dq[index];
+        let Scratch { segments, lengths, length_dq } = &mut workspace.strand;
+        segments.begin(numbers.constant_length);
+        for (segment_path, resolved) in path.segments.iter().zip(&numbers.segments) {
+            self.segment(&workspace.sin_cos, q, segment_path, resolved, order, segments);
+        }
+        lengths[index] = segments.length;
+        if order == Order::Length {
+            return;
+        }
+        let length_dq = &mut length_dq[path.span.clone()];
         length_dq.fill(S::zero());
-        if order == Order::Second {
-            scratch.length_dqdq.clear();
-            scratch.length_dqdq.resize(count * count, S::zero());
+        let positions = path.segments.iter().flat_map(|segment| &segment.positions);
+        for (&position, &dq) in positions.zip(&segments.length_dq) {
+            length_dq[position] += dq;
         }
-        let segment = &mut scratch.segment;
-        for (segment_path, &ends) in path.segments.iter().zip(&numbers.segments) {
-            self.segment(&workspace.sin_cos, q, segment_path, ends, order, segment);
-            length += segment.length;
-            if order == Order::Length {
-                continue;
-            }
-            let crossed = segment.crossings.len();
-            for (i, a) in segment.crossings.iter().enumerate() {
-                let row = segment_path.positions[i];
-                length_dq[row] += a.length_dq;
-                if order != Order::Second {
-                    continue;
-                }
-                // The lower triangle is enough, within the strand's order of coordinates.
-                for j in 0..=i {
-                    let column = segment_path.positions[j];
-                    let (row, column) = (row.max(column), row.min(column));
-                    scratch.length_dqdq[row * count + column] +=
-                        segment.length_dqdq[i * crossed + j];
-                }
-            }
-        }
-        scratch.lengths[index] = length;
     }
 
     /// Lengths of all strands at q (m).
@@ -131,9 +137,10 @@ impl<S: Scalar> Mechanics<'_, S> {
         length_dq.fill(S::zero());
         for index in 0..self.numbers.strands.len() {
             self.strand_length(workspace, q, index, Order::First);
-            for (i, &coordinate) in self.structure.strands[index].coordinates.iter().enumerate() {
-                length_dq[index * self.structure.count + coordinate] =
-                    workspace.strand.length_dq[index][i];
+            let path = &self.structure.strands[index];
+            let found = &workspace.strand.length_dq[path.span.clone()];
+            for (&coordinate, &dq) in path.coordinates.iter().zip(found) {
+                length_dq[index * self.structure.count + coordinate] = dq;
             }
         }
     }

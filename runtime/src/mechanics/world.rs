@@ -25,16 +25,20 @@ impl<S: Scalar> Default for WorldLink<S> {
 /// R · Rot(axis, angle).
 #[inline]
 pub(crate) fn rotate<S: Scalar>(r: Mat3<S>, axis: &Axis<S>, (s, c): (S, S)) -> Mat3<S> {
+    let turn = |y: S, z: S| (y * c + z * s, z * c - y * s);
     match axis {
-        Axis::Principal(i) => {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let mut out = r;
-            for (row, old) in out.0.iter_mut().zip(&r.0) {
-                row[j] = old[j] * c + old[k] * s;
-                row[k] = old[k] * c - old[j] * s;
-            }
-            out
-        }
+        Axis::X => Mat3(r.0.map(|[x, y, z]| {
+            let (y, z) = turn(y, z);
+            [x, y, z]
+        })),
+        Axis::Y => Mat3(r.0.map(|[x, y, z]| {
+            let (z, x) = turn(z, x);
+            [x, y, z]
+        })),
+        Axis::Z => Mat3(r.0.map(|[x, y, z]| {
+            let (x, y) = turn(x, y);
+            [x, y, z]
+        })),
         Axis::General(_) => {
             let columns = [0, 1, 2].map(|j| {
                 let mut unit = Vec3::zero();
@@ -49,14 +53,11 @@ pub(crate) fn rotate<S: Scalar>(r: Mat3<S>, axis: &Axis<S>, (s, c): (S, S)) -> M
 /// Rot(axis, angle) v (Rodrigues).
 #[inline]
 pub(crate) fn rotate_vector<S: Scalar>(axis: &Axis<S>, (s, c): (S, S), v: Vec3<S>) -> Vec3<S> {
+    let [x, y, z] = v.0;
     match axis {
-        Axis::Principal(i) => {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let mut out = v;
-            out.0[j] = v.0[j] * c - v.0[k] * s;
-            out.0[k] = v.0[k] * c + v.0[j] * s;
-            out
-        }
+        Axis::X => Vec3([x, y * c - z * s, z * c + y * s]),
+        Axis::Y => Vec3([x * c + z * s, y, z * c - x * s]),
+        Axis::Z => Vec3([x * c - y * s, y * c + x * s, z]),
         Axis::General(a) => v.scale(c) + a.cross(v).scale(s) + a.scale(a.dot(v) * (S::one() - c)),
     }
 }

@@ -15,6 +15,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
+<<<<<<< HEAD
 /// 213 operations: 21 sums, 47 products, 61 products with sum, 10 divisions, 10 roots, 3 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
@@ -24,6 +25,16 @@ pub fn evaluate<L: Lane>(
     constants: &[f64],
     momentum: &mut [L; 3],
     force: &mut [L; 3],
+=======
+/// 182 operations: 31 sums, 42 products, 43 products with sum, 10 divisions, 10 roots, 3 sines and cosines.
+pub fn evaluate(
+    q: &[f64; COORDINATES],
+    v: &[f64; COORDINATES],
+    rest: &[f64; STRANDS],
+    params: &[f64; PARAMETERS],
+    momentum: &mut [f64; COORDINATES],
+    force: &mut [f64; COORDINATES],
+>>>>>>> work-a
 ) {
     let constants = &constants[..3 * L::WIDTH];
     let q_mcp = q[0];
@@ -41,6 +52,7 @@ pub fn evaluate<L: Lane>(
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
+<<<<<<< HEAD
     let mcp_1 = mul_add(
         L::splat(0.0079),
         mul_sub(cos_pip, cos_dip, sin_pip * sin_dip),
@@ -224,6 +236,124 @@ pub fn evaluate<L: Lane>(
         L::splat(2.600000000000001e-5) * cos_dip,
     ) / lumbrical_6;
     force[2] = neg_mul_add(lumbrical_10, lumbrical_7, neg_mul_add(fdp_10, fdp_7, dip_2));
+=======
+    let mcp_1 = 2.113600077163611e-5 * mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_2 = v_mcp + v_pip;
+    let mcp_3 = v_dip + mcp_2;
+    let mcp_4 = mcp_3 * mcp_1;
+    let mcp_5 = 0.0224 * sin_pip;
+    let mcp_6 = 2.113600077163611e-5 * mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
+    let mcp_7 = mcp_3 * mcp_6;
+    let mcp_8 = 0.0224 * cos_pip;
+    let mcp_9 = 0.0001154165848898187 * cos_pip;
+    let mcp_10 = 0.039799999999999995 * v_mcp;
+    let mcp_11 = mul_add(mcp_10, mcp_9, mul_add(mcp_8, mcp_7, mcp_5 * mcp_4));
+    let mcp_12 = mcp_2 * mcp_8;
+    let mcp_13 = mcp_10 + mcp_12;
+    let mcp_14 = mcp_2 * mcp_5;
+    let mcp_15 = mul_add(
+        2.5540671987294797e-7,
+        mcp_3,
+        mul_add(mcp_13, mcp_6, mcp_14 * mcp_1),
+    );
+    let mcp_16 = mcp_15 + mul_add(2.2502977721519766e-6, mcp_2, mcp_11);
+    let mcp_17 = mul_add(
+        0.039799999999999995,
+        mul_add(mcp_2, mcp_9, mcp_7),
+        1.8193617546820962e-5 * v_mcp,
+    );
+    momentum[coordinate::MCP] = mcp_16 + mcp_17;
+    momentum[coordinate::PIP] = mcp_16;
+    momentum[coordinate::DIP] = mcp_15;
+    let mcp_18 = mcp_14 * mcp_7;
+    let mcp_19 = mcp_2 * (0.0001154165848898187 * sin_pip);
+    let mcp_20 = neg_mul_add(mcp_13, mcp_4, mcp_18);
+    let mcp_21 = mcp_20 + neg_mul_add(mcp_10, mcp_19, mul_sub(mcp_12, mcp_4, mcp_18));
+    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
+    let fdp_1 = sqrt(
+        0.000509 + mul_add(6.800000000000003e-5, cos_mcp, 0.000504 * sin_mcp),
+    );
+    let fdp_2 = sqrt(
+        0.00035188999999999983
+            + mul_add(6.119999999999986e-5, cos_pip, 0.0003437999999999999 * sin_pip),
+    );
+    let fdp_3 = sqrt(
+        0.00015621 - mul_sub(1.3600000000000019e-5, cos_dip, 0.0001538 * sin_dip),
+    );
+    let fdp_4 = k_flexor * (0.07161627512154058 + fdp_1 + fdp_2 + fdp_3 - rest_fdp);
+    let fdp_5 = neg_mul_add(3.400000000000001e-5, sin_mcp, 0.000252 * cos_mcp) / fdp_1;
+    let mcp_22 = neg_mul_add(fdp_5, fdp_4, mul_add(mcp_10, mcp_19 + mcp_4, mcp_21));
+    let fds_1 = sqrt(
+        0.000601
+            - mul_sub(2.3999999999999987e-5, cos_mcp, 0.0006000000000000001 * sin_mcp),
+    );
+    let fds_2 = sqrt(
+        0.0004016399999999999
+            + mul_add(7.759999999999983e-5, cos_pip, 0.0003927999999999999 * sin_pip),
+    );
+    let fds_3 = k_flexor * (0.06512765830525491 + fds_1 + fds_2 - rest_fds);
+    let fds_4 = mul_add(1.1999999999999994e-5, sin_mcp, 0.00030000000000000003 * cos_mcp)
+        / fds_1;
+    let edc_1 = sqrt(0.00024925 - mul_add(0.000213, cos_mcp, 0.000129 * sin_mcp));
+    let edc_2 = sqrt(
+        0.00016999999999999996
+            - mul_add(0.000154, cos_pip, 7.199999999999991e-5 * sin_pip),
+    );
+    let edc_3 = k_extensor * (0.09184108383968201 + edc_1 + edc_2 - rest_edc);
+    let edc_4 = mul_sub(0.0001065, sin_mcp, 6.45e-5 * cos_mcp) / edc_1;
+    let lumbrical_1 = sqrt(
+        0.00018899999999999999 + mul_add(6.8e-5, cos_mcp, 0.000176 * sin_mcp),
+    );
+    let lumbrical_2 = sqrt(
+        8.999999999999998e-5
+            - mul_add(5.4000000000000025e-5, cos_pip, 7.199999999999995e-5 * sin_pip),
+    );
+    let lumbrical_3 = sqrt(
+        9.25e-5 - mul_add(7.649999999999999e-5, cos_dip, 5.200000000000002e-5 * sin_dip),
+    );
+    let lumbrical_4 = k_lumbrical
+        * (0.09024829243194461 + lumbrical_1 + lumbrical_2 + lumbrical_3
+            - rest_lumbrical);
+    let lumbrical_5 = neg_mul_add(3.4e-5, sin_mcp, 8.8e-5 * cos_mcp) / lumbrical_1;
+    force[coordinate::MCP] = neg_mul_add(
+        lumbrical_5,
+        lumbrical_4,
+        neg_mul_add(edc_4, edc_3, neg_mul_add(fds_4, fds_3, mcp_22)),
+    );
+    let fdp_6 = neg_mul_add(
+        3.059999999999993e-5,
+        sin_pip,
+        0.00017189999999999995 * cos_pip,
+    ) / fdp_2;
+    let fds_5 = neg_mul_add(
+        3.879999999999991e-5,
+        sin_pip,
+        0.00019639999999999995 * cos_pip,
+    ) / fds_2;
+    let edc_5 = mul_sub(7.7e-5, sin_pip, 3.5999999999999953e-5 * cos_pip) / edc_2;
+    let pip_1 = neg_mul_add(
+        edc_5,
+        edc_3,
+        neg_mul_add(fds_5, fds_3, neg_mul_add(fdp_6, fdp_4, mcp_21)),
+    );
+    let lumbrical_6 = mul_sub(
+        2.7000000000000013e-5,
+        sin_pip,
+        3.5999999999999974e-5 * cos_pip,
+    ) / lumbrical_2;
+    force[coordinate::PIP] = neg_mul_add(lumbrical_6, lumbrical_4, pip_1);
+    let fdp_7 = mul_add(6.8000000000000094e-6, sin_dip, 7.69e-5 * cos_dip) / fdp_3;
+    let lumbrical_7 = mul_sub(
+        3.8249999999999995e-5,
+        sin_dip,
+        2.600000000000001e-5 * cos_dip,
+    ) / lumbrical_3;
+    force[coordinate::DIP] = neg_mul_add(
+        lumbrical_7,
+        lumbrical_4,
+        neg_mul_add(fdp_7, fdp_4, mcp_20),
+    );
+>>>>>>> work-a
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -234,6 +364,7 @@ pub fn evaluate<L: Lane>(
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
+<<<<<<< HEAD
 /// 416 operations: 39 sums, 109 products, 122 products with sum, 11 divisions, 10 roots, 3 sines and cosines.
 #[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
@@ -245,6 +376,18 @@ pub fn evaluate_with_matrix<L: Lane>(
     momentum: &mut [L; 3],
     force: &mut [L; 3],
     matrix: &mut [L; 9],
+=======
+/// 365 operations: 71 sums, 128 products, 71 products with sum, 11 divisions, 10 roots, 3 sines and cosines.
+pub fn evaluate_with_matrix(
+    q: &[f64; COORDINATES],
+    v: &[f64; COORDINATES],
+    h: f64,
+    rest: &[f64; STRANDS],
+    params: &[f64; PARAMETERS],
+    momentum: &mut [f64; COORDINATES],
+    force: &mut [f64; COORDINATES],
+    matrix: &mut [f64; MATRIX],
+>>>>>>> work-a
 ) {
     let constants = &constants[..3 * L::WIDTH];
     let q_mcp = q[0];
@@ -262,6 +405,7 @@ pub fn evaluate_with_matrix<L: Lane>(
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
+<<<<<<< HEAD
     let mcp_1 = mul_add(
         L::splat(0.0079),
         mul_sub(cos_pip, cos_dip, sin_pip * sin_dip),
@@ -566,8 +710,216 @@ pub fn evaluate_with_matrix<L: Lane>(
         lumbrical_12 * neg_mul_add(lumbrical_13, lumbrical_13, lumbrical_5),
         lumbrical_14,
         lumbrical_13 * lumbrical_18,
+=======
+    let mcp_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_2 = 2.113600077163611e-5 * mcp_1;
+    let mcp_3 = v_mcp + v_pip;
+    let mcp_4 = v_dip + mcp_3;
+    let mcp_5 = mcp_4 * mcp_2;
+    let mcp_6 = 0.0224 * sin_pip;
+    let mcp_7 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
+    let mcp_8 = 2.113600077163611e-5 * mcp_7;
+    let mcp_9 = mcp_4 * mcp_8;
+    let mcp_10 = 0.0224 * cos_pip;
+    let mcp_11 = 0.0001154165848898187 * cos_pip;
+    let mcp_12 = 0.039799999999999995 * v_mcp;
+    let mcp_13 = mul_add(mcp_12, mcp_11, mul_add(mcp_10, mcp_9, mcp_6 * mcp_5));
+    let mcp_14 = mcp_3 * mcp_10;
+    let mcp_15 = mcp_12 + mcp_14;
+    let mcp_16 = mcp_3 * mcp_6;
+    let mcp_17 = mul_add(
+        2.5540671987294797e-7,
+        mcp_4,
+        mul_add(mcp_15, mcp_8, mcp_16 * mcp_2),
     );
-    matrix[8] = dip_6 - fdp_21 - lumbrical_20;
+    let mcp_18 = mcp_17 + mul_add(2.2502977721519766e-6, mcp_3, mcp_13);
+    let mcp_19 = mcp_3 * mcp_11;
+    let mcp_20 = mcp_19 + mcp_9;
+    momentum[coordinate::MCP] = mcp_18
+        + mul_add(0.039799999999999995, mcp_20, 1.8193617546820962e-5 * v_mcp);
+    momentum[coordinate::PIP] = mcp_18;
+    momentum[coordinate::DIP] = mcp_17;
+    let mcp_21 = mcp_16 * mcp_9;
+    let mcp_22 = mcp_3 * (0.0001154165848898187 * sin_pip);
+    let mcp_23 = neg_mul_add(mcp_15, mcp_5, mcp_21);
+    let mcp_24 = mcp_23 + neg_mul_add(mcp_12, mcp_22, mul_sub(mcp_14, mcp_5, mcp_21));
+    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
+    let fdp_1 = mul_add(6.800000000000003e-5, cos_mcp, 0.000504 * sin_mcp);
+    let fdp_2 = sqrt(0.000509 + fdp_1);
+    let fdp_3 = mul_add(6.119999999999986e-5, cos_pip, 0.0003437999999999999 * sin_pip);
+    let fdp_4 = sqrt(0.00035188999999999983 + fdp_3);
+    let fdp_5 = mul_sub(1.3600000000000019e-5, cos_dip, 0.0001538 * sin_dip);
+    let fdp_6 = sqrt(0.00015621 - fdp_5);
+    let fdp_7 = k_flexor * (0.07161627512154058 + fdp_2 + fdp_4 + fdp_6 - rest_fdp);
+    let fdp_8 = 1.0 / fdp_2;
+    let fdp_9 = fdp_8 * neg_mul_add(3.400000000000001e-5, sin_mcp, 0.000252 * cos_mcp);
+    let mcp_25 = neg_mul_add(fdp_9, fdp_7, mul_add(mcp_12, mcp_22 + mcp_5, mcp_24));
+    let fds_1 = mul_sub(2.3999999999999987e-5, cos_mcp, 0.0006000000000000001 * sin_mcp);
+    let fds_2 = sqrt(0.000601 - fds_1);
+    let fds_3 = mul_add(7.759999999999983e-5, cos_pip, 0.0003927999999999999 * sin_pip);
+    let fds_4 = sqrt(0.0004016399999999999 + fds_3);
+    let fds_5 = k_flexor * (0.06512765830525491 + fds_2 + fds_4 - rest_fds);
+    let fds_6 = 1.0 / fds_2;
+    let fds_7 = fds_6
+        * mul_add(1.1999999999999994e-5, sin_mcp, 0.00030000000000000003 * cos_mcp);
+    let edc_1 = mul_add(0.000213, cos_mcp, 0.000129 * sin_mcp);
+    let edc_2 = sqrt(0.00024925 - edc_1);
+    let edc_3 = mul_add(0.000154, cos_pip, 7.199999999999991e-5 * sin_pip);
+    let edc_4 = sqrt(0.00016999999999999996 - edc_3);
+    let edc_5 = k_extensor * (0.09184108383968201 + edc_2 + edc_4 - rest_edc);
+    let edc_6 = 1.0 / edc_2;
+    let edc_7 = edc_6 * mul_sub(0.0001065, sin_mcp, 6.45e-5 * cos_mcp);
+    let lumbrical_1 = mul_add(6.8e-5, cos_mcp, 0.000176 * sin_mcp);
+    let lumbrical_2 = sqrt(0.00018899999999999999 + lumbrical_1);
+    let lumbrical_3 = mul_add(
+        5.4000000000000025e-5,
+        cos_pip,
+        7.199999999999995e-5 * sin_pip,
+    );
+    let lumbrical_4 = sqrt(8.999999999999998e-5 - lumbrical_3);
+    let lumbrical_5 = mul_add(
+        7.649999999999999e-5,
+        cos_dip,
+        5.200000000000002e-5 * sin_dip,
+    );
+    let lumbrical_6 = sqrt(9.25e-5 - lumbrical_5);
+    let lumbrical_7 = k_lumbrical
+        * (0.09024829243194461 + lumbrical_2 + lumbrical_4 + lumbrical_6
+            - rest_lumbrical);
+    let lumbrical_8 = 1.0 / lumbrical_2;
+    let lumbrical_9 = lumbrical_8 * neg_mul_add(3.4e-5, sin_mcp, 8.8e-5 * cos_mcp);
+    force[coordinate::MCP] = neg_mul_add(
+        lumbrical_9,
+        lumbrical_7,
+        neg_mul_add(edc_7, edc_5, neg_mul_add(fds_7, fds_5, mcp_25)),
+    );
+    let fdp_10 = 1.0 / fdp_4;
+    let fdp_11 = fdp_10
+        * neg_mul_add(3.059999999999993e-5, sin_pip, 0.00017189999999999995 * cos_pip);
+    let fds_8 = 1.0 / fds_4;
+    let fds_9 = fds_8
+        * neg_mul_add(3.879999999999991e-5, sin_pip, 0.00019639999999999995 * cos_pip);
+    let edc_8 = 1.0 / edc_4;
+    let edc_9 = edc_8 * mul_sub(7.7e-5, sin_pip, 3.5999999999999953e-5 * cos_pip);
+    let pip_1 = neg_mul_add(
+        edc_9,
+        edc_5,
+        neg_mul_add(fds_9, fds_5, neg_mul_add(fdp_11, fdp_7, mcp_24)),
+    );
+    let lumbrical_10 = 1.0 / lumbrical_4;
+    let lumbrical_11 = lumbrical_10
+        * mul_sub(2.7000000000000013e-5, sin_pip, 3.5999999999999974e-5 * cos_pip);
+    force[coordinate::PIP] = neg_mul_add(lumbrical_11, lumbrical_7, pip_1);
+    let fdp_12 = 1.0 / fdp_6;
+    let fdp_13 = fdp_12 * mul_add(6.8000000000000094e-6, sin_dip, 7.69e-5 * cos_dip);
+    let lumbrical_12 = 1.0 / lumbrical_6;
+    let lumbrical_13 = lumbrical_12
+        * mul_sub(3.8249999999999995e-5, sin_dip, 2.600000000000001e-5 * cos_dip);
+    force[coordinate::DIP] = neg_mul_add(
+        lumbrical_13,
+        lumbrical_7,
+        neg_mul_add(fdp_13, fdp_7, mcp_23),
+>>>>>>> work-a
+    );
+    let mcp_26 = mcp_16 * mcp_5;
+    let mcp_27 = mul_add(mcp_14, mcp_9, mcp_26);
+    let fdp_14 = 0.25 * h;
+    let mcp_28 = 1.0 / h;
+    let mcp_29 = mul_sub(fdp_14, mcp_27, mcp_28 * mul_add(mcp_10, mcp_8, mcp_6 * mcp_2));
+    let mcp_30 = mcp_12 * mcp_19;
+    let mcp_31 = mcp_29
+        - mul_add(fdp_14, mcp_30 + mcp_27, 2.2502977721519766e-6 * mcp_28);
+    let mcp_32 = mul_add(
+        fdp_14,
+        mul_add(mcp_15, mcp_9, mcp_26),
+        2.5540671987294797e-7 * mcp_28,
+    );
+    let mcp_33 = mcp_29 - mcp_32;
+    let mcp_34 = mcp_31 + mcp_33;
+    let mcp_35 = mul_sub(
+        fdp_14,
+        mcp_12 * mcp_9,
+        mcp_28 * (8.412128307111171e-7 * mcp_7),
+    );
+    let mcp_36 = mul_sub(fdp_14, mcp_30, mcp_28 * (4.593580078614784e-6 * cos_pip))
+        + mcp_35;
+    let mcp_37 = mcp_36 + mcp_34;
+    let mcp_38 = mcp_36
+        - mul_add(fdp_14, mcp_12 * mcp_20, 1.8193617546820962e-5 * mcp_28);
+    let fdp_15 = fdp_14 * fdp_7;
+    let fdp_16 = fdp_8 * fdp_15;
+    let fdp_17 = k_flexor * fdp_14;
+    let fdp_18 = mul_sub(fdp_9, fdp_9 * (fdp_17 - fdp_16), 0.5 * fdp_1 * fdp_16);
+    let fds_10 = fdp_14 * fds_5;
+    let fds_11 = fds_6 * fds_10;
+    let fds_12 = mul_add(fds_7, fds_7 * (fdp_17 - fds_11), 0.5 * fds_1 * fds_11);
+    let edc_10 = fdp_14 * edc_5;
+    let edc_11 = edc_6 * edc_10;
+    let edc_12 = k_extensor * fdp_14;
+    let edc_13 = mul_add(edc_7, edc_7 * (edc_12 - edc_11), 0.5 * edc_1 * edc_11);
+    let lumbrical_14 = fdp_14 * lumbrical_7;
+    let lumbrical_15 = lumbrical_8 * lumbrical_14;
+    let lumbrical_16 = k_lumbrical * fdp_14;
+    let lumbrical_17 = mul_sub(
+        lumbrical_9,
+        lumbrical_9 * (lumbrical_16 - lumbrical_15),
+        0.5 * lumbrical_1 * lumbrical_15,
+    );
+    matrix[0] = mcp_38 + mcp_37 - fdp_18 - fds_12 - edc_13 - lumbrical_17;
+    let mcp_39 = neg_mul_add(
+        fds_7,
+        fdp_17 * fds_9,
+        neg_mul_add(fdp_9, fdp_11 * fdp_17, mcp_37),
+    );
+    let mcp_40 = neg_mul_add(
+        lumbrical_9,
+        lumbrical_11 * lumbrical_16,
+        neg_mul_add(edc_7, edc_9 * edc_12, mcp_39),
+    );
+    let mcp_41 = 8.412128307111171e-7 * mcp_1 * (0.5 * (v_mcp + mcp_4));
+    let mcp_42 = mul_add(4.593580078614784e-6 * sin_pip, 0.5 * (v_mcp + mcp_3), mcp_41);
+    matrix[1] = mcp_42 + mcp_40;
+    let fdp_19 = fdp_13 * fdp_17;
+    let lumbrical_18 = lumbrical_13 * lumbrical_16;
+    let mcp_43 = neg_mul_add(
+        lumbrical_9,
+        lumbrical_18,
+        neg_mul_add(fdp_9, fdp_19, mcp_35 + mcp_33),
+    );
+    let mcp_44 = mul_sub(mcp_10, mcp_2, mcp_6 * mcp_8) * (0.5 * (mcp_3 + mcp_4));
+    let mcp_45 = mcp_41 + mcp_44;
+    matrix[2] = mcp_45 + mcp_43;
+    matrix[3] = mcp_40 - mcp_42;
+    let fdp_20 = fdp_10 * fdp_15;
+    let fdp_21 = mul_sub(fdp_11, fdp_11 * (fdp_17 - fdp_20), 0.5 * fdp_3 * fdp_20);
+    let fds_13 = fds_8 * fds_10;
+    let fds_14 = mul_sub(fds_9, fds_9 * (fdp_17 - fds_13), 0.5 * fds_3 * fds_13);
+    let edc_14 = edc_8 * edc_10;
+    let edc_15 = mul_add(edc_9, edc_9 * (edc_12 - edc_14), 0.5 * edc_3 * edc_14);
+    let lumbrical_19 = lumbrical_10 * lumbrical_14;
+    let lumbrical_20 = mul_add(
+        lumbrical_11,
+        lumbrical_11 * (lumbrical_16 - lumbrical_19),
+        0.5 * lumbrical_3 * lumbrical_19,
+    );
+    matrix[4] = mcp_34 - fdp_21 - fds_14 - edc_15 - lumbrical_20;
+    let pip_2 = neg_mul_add(
+        lumbrical_11,
+        lumbrical_18,
+        neg_mul_add(fdp_11, fdp_19, mcp_33),
+    );
+    matrix[5] = mcp_44 + pip_2;
+    matrix[6] = mcp_43 - mcp_45;
+    matrix[7] = pip_2 - mcp_44;
+    let fdp_22 = fdp_12 * fdp_15;
+    let fdp_23 = mul_add(fdp_13, fdp_13 * (fdp_17 - fdp_22), 0.5 * fdp_5 * fdp_22);
+    let lumbrical_21 = lumbrical_12 * lumbrical_14;
+    let lumbrical_22 = mul_add(
+        lumbrical_13,
+        lumbrical_13 * (lumbrical_16 - lumbrical_21),
+        0.5 * lumbrical_5 * lumbrical_21,
+    );
+    matrix[8] = -(lumbrical_22 + (fdp_23 + mcp_32));
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -578,6 +930,7 @@ pub fn evaluate_with_matrix<L: Lane>(
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
+<<<<<<< HEAD
 /// 54 operations: 8 sums, 12 products, 16 products with sum, 2 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 3], matrix: &mut [L; 9]) {
@@ -631,6 +984,33 @@ pub fn mass_matrix<L: Lane>(q: &[L; 3], matrix: &mut [L; 9]) {
         mcp_13 * pip_1,
     );
     matrix[8] = mcp_14 + dip_1;
+=======
+/// 25 operations: 7 sums, 8 products, 4 products with sum, 2 sines and cosines.
+pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
+    let q_pip = q[coordinate::PIP];
+    let q_dip = q[coordinate::DIP];
+    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let (sin_pip, cos_pip) = sin_cos(q_pip);
+    let mcp_1 = 0.0224 * sin_pip
+        * (2.113600077163611e-5 * mul_add(sin_pip, cos_dip, cos_pip * sin_dip));
+    let mcp_2 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
+    let mcp_3 = mul_add(0.0224 * cos_pip, 2.113600077163611e-5 * mcp_2, mcp_1);
+    let mcp_4 = 2.5540671987294797e-7 + mcp_3;
+    let mcp_5 = 2.2502977721519766e-6 + mcp_3 + mcp_4;
+    let mcp_6 = 8.412128307111171e-7 * mcp_2;
+    let mcp_7 = mul_add(4.593580078614784e-6, cos_pip, mcp_6);
+    let mcp_8 = mcp_7 + mcp_5;
+    matrix[0] = 1.8193617546820962e-5 + mcp_7 + mcp_8;
+    matrix[1] = mcp_8;
+    let mcp_9 = mcp_6 + mcp_4;
+    matrix[2] = mcp_9;
+    matrix[3] = mcp_8;
+    matrix[4] = mcp_5;
+    matrix[5] = mcp_4;
+    matrix[6] = mcp_9;
+    matrix[7] = mcp_4;
+    matrix[8] = 2.5540671987294797e-7;
+>>>>>>> work-a
 }
 
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).

@@ -15,6 +15,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
+<<<<<<< HEAD
 /// 376 operations: 41 sums, 103 products, 105 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
@@ -204,6 +205,176 @@ pub fn evaluate<L: Lane>(
         ),
         interosseous_9,
         ab_34,
+=======
+/// 325 operations: 44 sums, 93 products, 83 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
+pub fn evaluate(
+    q: &[f64; COORDINATES],
+    v: &[f64; COORDINATES],
+    rest: &[f64; STRANDS],
+    params: &[f64; PARAMETERS],
+    momentum: &mut [f64; COORDINATES],
+    force: &mut [f64; COORDINATES],
+) {
+    let q_index_ab = q[coordinate::INDEX_AB];
+    let q_index_mcp = q[coordinate::INDEX_MCP];
+    let q_index_pip = q[coordinate::INDEX_PIP];
+    let q_index_dip = q[coordinate::INDEX_DIP];
+    let v_index_ab = v[coordinate::INDEX_AB];
+    let v_index_mcp = v[coordinate::INDEX_MCP];
+    let v_index_pip = v[coordinate::INDEX_PIP];
+    let v_index_dip = v[coordinate::INDEX_DIP];
+    let k_flexor = params[parameter::K_FLEXOR];
+    let k_extensor = params[parameter::K_EXTENSOR];
+    let k_intrinsic = params[parameter::K_INTRINSIC];
+    let rest_index_fdp = rest[strand::INDEX_FDP];
+    let rest_index_edc = rest[strand::INDEX_EDC];
+    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
+    let rest_index_band = rest[strand::INDEX_BAND];
+    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let index_ab_1 = mul_add(
+        sin_index_mcp,
+        cos_index_pip,
+        cos_index_mcp * sin_index_pip,
+    );
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_ab_2 = mul_sub(
+        cos_index_mcp,
+        cos_index_pip,
+        sin_index_mcp * sin_index_pip,
+    );
+    let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
+    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
+    let index_ab_5 = 0.0224 * index_ab_2;
+    let index_ab_6 = 2.0917644617198177e-6 * index_ab_1;
+    let index_ab_7 = mul_add(
+        2.0,
+        index_ab_5 * index_ab_4,
+        neg_mul_add(index_ab_1, index_ab_6, 1.0458822308599088e-6),
+    );
+    let index_ab_8 = 0.0001154165848898187 * index_ab_2;
+    let index_ab_9 = 0.039799999999999995 * cos_index_mcp;
+    let index_ab_10 = 1.7742421098850526e-5 * sin_index_mcp;
+    let index_ab_11 = mul_add(
+        2.0,
+        index_ab_9 * (index_ab_8 + index_ab_4),
+        neg_mul_add(sin_index_mcp, index_ab_10, 8.871210549425263e-6),
+    );
+    let index_ab_12 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
+    let index_ab_13 = 1.8985836304951953e-7 * index_ab_12;
+    let index_ab_14 = neg_mul_add(index_ab_12, index_ab_13, 9.492918152475976e-8)
+        + (1.0687300077035954e-5 + index_ab_11 + index_ab_7);
+    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_14;
+    let index_mcp_1 = v_index_mcp + v_index_pip;
+    let index_mcp_2 = v_index_dip + index_mcp_1;
+    let index_mcp_3 = index_mcp_2 * index_ab_4;
+    let index_mcp_4 = 2.113600077163611e-5 * index_ab_12;
+    let index_mcp_5 = index_mcp_2 * index_mcp_4;
+    let index_mcp_6 = 0.0224 * index_ab_1;
+    let index_mcp_7 = v_index_mcp * index_ab_9;
+    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
+    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_10 = v_index_mcp * index_mcp_9;
+    let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
+        + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_8);
+    let index_mcp_12 = index_mcp_1 * index_ab_5;
+    let index_mcp_13 = index_mcp_7 + index_mcp_12;
+    let index_mcp_14 = index_mcp_1 * index_mcp_6;
+    let index_mcp_15 = index_mcp_10 + index_mcp_14;
+    let index_mcp_16 = mul_add(
+        2.5540671987294797e-7,
+        index_mcp_2,
+        mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
+    );
+    let index_mcp_17 = index_mcp_16
+        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
+    let index_mcp_18 = index_mcp_1 * index_ab_8;
+    let index_mcp_19 = index_mcp_18 + index_mcp_3;
+    let index_mcp_20 = index_mcp_1 * index_mcp_8;
+    let index_mcp_21 = index_mcp_20 + index_mcp_5;
+    let index_mcp_22 = mul_add(
+        1.8193617546820962e-5,
+        v_index_mcp,
+        mul_add(index_mcp_9, index_mcp_21, index_ab_9 * index_mcp_19),
+    );
+    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
+    momentum[coordinate::INDEX_PIP] = index_mcp_17;
+    momentum[coordinate::INDEX_DIP] = index_mcp_16;
+    let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
+    let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
+    let index_fdp_2 = mul_add(
+        0.012,
+        cos_index_ab,
+        1.0842021724855044e-19 * sin_index_ab,
+    );
+    let index_fdp_3 = index_fdp_2 + index_fdp_1;
+    let index_fdp_4 = neg_mul_add(
+        1.0842021724855044e-19,
+        cos_index_ab,
+        0.012 * sin_index_ab,
+    );
+    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
+    let index_fdp_6 = 0.011 - index_fdp_5;
+    let index_fdp_7 = mul_add(
+        index_fdp_6,
+        index_fdp_6,
+        mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
+    );
+    let index_fdp_8 = sqrt(index_fdp_7);
+    let index_fdp_9 = 1.0 / index_fdp_8;
+    let index_fdp_10 = sqrt(
+        0.000354510464
+            - neg_mul_add(
+                6.297599999999999e-5,
+                cos_index_pip,
+                0.000345344 * sin_index_pip,
+            ),
+    );
+    let index_fdp_11 = sqrt(
+        0.00015491888400000003
+            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
+    );
+    let index_fdp_12 = k_flexor
+        * (0.12972844537042483 + index_fdp_8 + index_fdp_10 + index_fdp_11
+            - rest_index_fdp);
+    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
+    let index_edc_2 = mul_add(
+        0.002999999999999997,
+        cos_index_ab,
+        2.439454888092385e-19 * sin_index_ab,
+    );
+    let index_edc_3 = index_edc_2 + index_edc_1;
+    let index_edc_4 = neg_mul_add(
+        2.439454888092385e-19,
+        cos_index_ab,
+        0.002999999999999997 * sin_index_ab,
+    );
+    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
+    let index_edc_6 = -0.011 + index_edc_5;
+    let index_edc_7 = mul_add(
+        index_edc_6,
+        index_edc_6,
+        mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
+    );
+    let index_edc_8 = sqrt(index_edc_7);
+    let index_edc_9 = 1.0 / index_edc_8;
+    let index_edc_10 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_index_pip,
+                7.200000000000003e-5 * sin_index_pip,
+            ),
+    );
+    let index_edc_11 = k_extensor
+        * (0.14993665655140606 + index_edc_8 + index_edc_10 - rest_index_edc);
+    let index_edc_12 = index_edc_9
+        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3) * index_edc_11;
+    let index_ab_15 = mul_add(
+        index_fdp_9 * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3),
+        index_fdp_12,
+        index_edc_12,
+>>>>>>> work-a
     );
     let band_1 = mul_add(sin_ab, c_15, cos_ab * c_16);
     let index_band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1);
@@ -257,10 +428,26 @@ pub fn evaluate<L: Lane>(
         ),
         mcp_10,
     );
+<<<<<<< HEAD
     force[1] = mul_add(
         band_13,
         mul_add(index_band_1, index_band_3 * band_7, index_band_2 * band_8),
         mcp_11,
+=======
+    let index_interosseous_11 = sqrt(index_interosseous_10);
+    let index_interosseous_12 = 1.0 / index_interosseous_11;
+    let index_interosseous_13 = k_intrinsic
+        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
+    let index_ab_16 = mul_add(
+        index_interosseous_12
+            * mul_sub(
+                index_interosseous_1,
+                index_interosseous_6,
+                index_interosseous_5 * index_interosseous_4,
+            ),
+        index_interosseous_13,
+        index_ab_15,
+>>>>>>> work-a
     );
     let pip_2 = neg_mul_add(ab_8, ab_6, ab_14 * ab_27);
     let pip_3 = neg_mul_add(
@@ -268,6 +455,7 @@ pub fn evaluate<L: Lane>(
         ab_14 * c_6,
         neg_mul_add(mcp_1, ab_30, dip_1) * (v_mcp * c_6),
     );
+<<<<<<< HEAD
     let fdp_13 = neg_mul_add(cos_pip, c_33, sin_pip * c_34) / fdp_9;
     let pip_4 = neg_mul_add(fdp_12, fdp_13, pip_3 - mul_add(ab_8, ab_32, ab_14 * ab_25));
     let edc_12 = neg_mul_add(cos_pip, c_42, sin_pip * c_43) / edc_9;
@@ -277,6 +465,138 @@ pub fn evaluate<L: Lane>(
         pip_2,
         mul_add(ab_8, ab_11, ab_14 * ab_4),
         dip_1 * mul_sub(mcp_1, ab_4, mcp_3),
+=======
+    let index_band_3 = index_band_2 + index_band_1;
+    let index_band_4 = neg_mul_add(
+        0.010000000000000002,
+        cos_index_ab,
+        0.007999999999999997 * sin_index_ab,
+    );
+    let index_band_5 = -0.009 - index_band_4;
+    let index_band_6 = mul_add(0.005, cos_index_mcp, index_interosseous_7);
+    let index_band_7 = 0.005 - index_band_6;
+    let index_band_8 = mul_add(
+        index_band_7,
+        index_band_7,
+        mul_add(index_band_3, index_band_3, index_band_5 * index_band_5),
+    );
+    let index_band_9 = sqrt(index_band_8);
+    let index_band_10 = 1.0 / index_band_9;
+    let index_band_11 = sqrt(
+        9.000000000000003e-5
+            - mul_sub(
+                5.399999999999997e-5,
+                cos_index_pip,
+                7.200000000000004e-5 * sin_index_pip,
+            ),
+    );
+    let index_band_12 = sqrt(
+        9.649999999999999e-5
+            - mul_sub(7.65e-5, cos_index_dip, 5.1999999999999976e-5 * sin_index_dip),
+    );
+    let index_band_13 = k_intrinsic
+        * (0.09421199494172741 + index_band_9 + index_band_11 + index_band_12
+            - rest_index_band);
+    force[coordinate::INDEX_AB] = mul_sub(
+        index_band_10 * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3),
+        index_band_13,
+        index_ab_16,
+    );
+    let index_mcp_23 = v_index_ab * index_ab_4;
+    let index_mcp_24 = neg_mul_add(
+        v_index_ab * index_mcp_6,
+        index_mcp_23,
+        neg_mul_add(index_mcp_14, index_mcp_3, index_mcp_12 * index_mcp_5),
+    );
+    let index_mcp_25 = v_index_ab * index_ab_9;
+    let index_mcp_26 = neg_mul_add(
+        index_mcp_25,
+        v_index_ab * index_mcp_8,
+        neg_mul_add(index_mcp_7, index_mcp_20, index_mcp_10 * index_mcp_18),
+    );
+    let index_mcp_27 = v_index_ab * v_index_ab;
+    let index_mcp_28 = neg_mul_add(
+        mul_add(v_index_ab, index_ab_5, index_mcp_25),
+        v_index_ab * index_mcp_4,
+        neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
+    );
+    let index_mcp_29 = neg_mul_add(index_ab_3 * index_ab_13, index_mcp_27, index_mcp_28);
+    let index_mcp_30 = index_mcp_29
+        + neg_mul_add(
+            index_ab_2 * index_ab_6,
+            index_mcp_27,
+            index_mcp_24 + index_mcp_26,
+        );
+    let index_mcp_31 = neg_mul_add(
+        v_index_ab * index_mcp_9,
+        mul_add(v_index_ab, index_ab_8, index_mcp_23),
+        neg_mul_add(index_mcp_10, index_mcp_19, index_mcp_7 * index_mcp_21),
+    );
+    let index_mcp_32 = mul_add(
+        index_fdp_9 * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6),
+        index_fdp_12,
+        index_mcp_30
+            + neg_mul_add(cos_index_mcp * index_ab_10, index_mcp_27, index_mcp_31),
+    );
+    let index_mcp_33 = neg_mul_add(
+        index_edc_9 * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6),
+        index_edc_11,
+        index_mcp_32,
+    );
+    let index_mcp_34 = mul_add(
+        index_interosseous_12
+            * mul_add(
+                index_interosseous_8,
+                index_interosseous_4,
+                index_interosseous_3 * index_interosseous_9,
+            ),
+        index_interosseous_13,
+        index_mcp_33,
+    );
+    force[coordinate::INDEX_MCP] = mul_add(
+        index_band_10 * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7),
+        index_band_13,
+        index_mcp_34,
+    );
+    let index_fdp_13 = mul_add(
+        3.1487999999999994e-5,
+        sin_index_pip,
+        0.000172672 * cos_index_pip,
+    ) / index_fdp_10;
+    let index_edc_13 = mul_add(
+        7.699999999999999e-5,
+        sin_index_pip,
+        3.6000000000000014e-5 * cos_index_pip,
+    ) / index_edc_10;
+    let index_band_14 = mul_add(
+        2.6999999999999985e-5,
+        sin_index_pip,
+        3.600000000000002e-5 * cos_index_pip,
+    ) / index_band_11;
+    force[coordinate::INDEX_PIP] = neg_mul_add(
+        index_band_14,
+        index_band_13,
+        neg_mul_add(
+            index_edc_13,
+            index_edc_11,
+            mul_add(index_fdp_13, index_fdp_12, index_mcp_30),
+        ),
+    );
+    let index_fdp_14 = mul_sub(
+        7.315840000000005e-6,
+        sin_index_dip,
+        7.6342e-5 * cos_index_dip,
+    ) / index_fdp_11;
+    let index_band_15 = mul_add(
+        3.825e-5,
+        sin_index_dip,
+        2.5999999999999988e-5 * cos_index_dip,
+    ) / index_band_12;
+    force[coordinate::INDEX_DIP] = neg_mul_add(
+        index_band_15,
+        index_band_13,
+        neg_mul_add(index_fdp_14, index_fdp_12, index_mcp_29),
+>>>>>>> work-a
     );
     let dip_3 = neg_mul_add(pip_1, mcp_1 * ab_11, dip_2)
         - mul_add(ab_8, ab_29, ab_14 * ab_15);
@@ -293,6 +613,7 @@ pub fn evaluate<L: Lane>(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
+<<<<<<< HEAD
 /// 806 operations: 87 sums, 214 products, 241 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
@@ -481,6 +802,211 @@ pub fn evaluate_with_matrix<L: Lane>(
         interosseous_3,
         interosseous_8,
         interosseous_1 * interosseous_9,
+=======
+/// 619 operations: 96 sums, 194 products, 153 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
+pub fn evaluate_with_matrix(
+    q: &[f64; COORDINATES],
+    v: &[f64; COORDINATES],
+    h: f64,
+    rest: &[f64; STRANDS],
+    params: &[f64; PARAMETERS],
+    momentum: &mut [f64; COORDINATES],
+    force: &mut [f64; COORDINATES],
+    matrix: &mut [f64; MATRIX],
+) {
+    let q_index_ab = q[coordinate::INDEX_AB];
+    let q_index_mcp = q[coordinate::INDEX_MCP];
+    let q_index_pip = q[coordinate::INDEX_PIP];
+    let q_index_dip = q[coordinate::INDEX_DIP];
+    let v_index_ab = v[coordinate::INDEX_AB];
+    let v_index_mcp = v[coordinate::INDEX_MCP];
+    let v_index_pip = v[coordinate::INDEX_PIP];
+    let v_index_dip = v[coordinate::INDEX_DIP];
+    let k_flexor = params[parameter::K_FLEXOR];
+    let k_extensor = params[parameter::K_EXTENSOR];
+    let k_intrinsic = params[parameter::K_INTRINSIC];
+    let rest_index_fdp = rest[strand::INDEX_FDP];
+    let rest_index_edc = rest[strand::INDEX_EDC];
+    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
+    let rest_index_band = rest[strand::INDEX_BAND];
+    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let index_ab_1 = mul_add(
+        sin_index_mcp,
+        cos_index_pip,
+        cos_index_mcp * sin_index_pip,
+    );
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_ab_2 = mul_sub(
+        cos_index_mcp,
+        cos_index_pip,
+        sin_index_mcp * sin_index_pip,
+    );
+    let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
+    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
+    let index_ab_5 = 0.0224 * index_ab_2;
+    let index_ab_6 = index_ab_5 * index_ab_4;
+    let index_ab_7 = 2.0917644617198177e-6 * index_ab_1;
+    let index_ab_8 = neg_mul_add(index_ab_1, index_ab_7, 1.0458822308599088e-6);
+    let index_ab_9 = 0.0001154165848898187 * index_ab_2;
+    let index_ab_10 = index_ab_9 + index_ab_4;
+    let index_ab_11 = 0.039799999999999995 * cos_index_mcp;
+    let index_ab_12 = 1.7742421098850526e-5 * sin_index_mcp;
+    let index_ab_13 = neg_mul_add(sin_index_mcp, index_ab_12, 8.871210549425263e-6);
+    let index_ab_14 = 1.0687300077035954e-5
+        + mul_add(2.0, index_ab_11 * index_ab_10, index_ab_13)
+        + mul_add(2.0, index_ab_6, index_ab_8);
+    let index_ab_15 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
+    let index_ab_16 = 1.8985836304951953e-7 * index_ab_15;
+    let index_ab_17 = neg_mul_add(index_ab_15, index_ab_16, 9.492918152475976e-8);
+    let index_ab_18 = index_ab_17 + index_ab_14;
+    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_18;
+    let index_mcp_1 = v_index_mcp + v_index_pip;
+    let index_mcp_2 = v_index_dip + index_mcp_1;
+    let index_mcp_3 = index_mcp_2 * index_ab_4;
+    let index_mcp_4 = 2.113600077163611e-5 * index_ab_15;
+    let index_mcp_5 = index_mcp_2 * index_mcp_4;
+    let index_mcp_6 = 0.0224 * index_ab_1;
+    let index_mcp_7 = v_index_mcp * index_ab_11;
+    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
+    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_10 = v_index_mcp * index_mcp_9;
+    let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
+        + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_9);
+    let index_mcp_12 = index_mcp_1 * index_ab_5;
+    let index_mcp_13 = index_mcp_7 + index_mcp_12;
+    let index_mcp_14 = index_mcp_1 * index_mcp_6;
+    let index_mcp_15 = index_mcp_10 + index_mcp_14;
+    let index_mcp_16 = mul_add(
+        2.5540671987294797e-7,
+        index_mcp_2,
+        mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
+    );
+    let index_mcp_17 = index_mcp_16
+        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
+    let index_mcp_18 = index_mcp_1 * index_ab_9;
+    let index_mcp_19 = index_mcp_18 + index_mcp_3;
+    let index_mcp_20 = index_mcp_1 * index_mcp_8;
+    let index_mcp_21 = index_mcp_20 + index_mcp_5;
+    let index_mcp_22 = mul_add(
+        1.8193617546820962e-5,
+        v_index_mcp,
+        mul_add(index_mcp_9, index_mcp_21, index_ab_11 * index_mcp_19),
+    );
+    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
+    momentum[coordinate::INDEX_PIP] = index_mcp_17;
+    momentum[coordinate::INDEX_DIP] = index_mcp_16;
+    let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
+    let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
+    let index_fdp_2 = mul_add(
+        0.012,
+        cos_index_ab,
+        1.0842021724855044e-19 * sin_index_ab,
+    );
+    let index_fdp_3 = index_fdp_2 + index_fdp_1;
+    let index_fdp_4 = neg_mul_add(
+        1.0842021724855044e-19,
+        cos_index_ab,
+        0.012 * sin_index_ab,
+    );
+    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
+    let index_fdp_6 = 0.011 - index_fdp_5;
+    let index_fdp_7 = mul_add(
+        index_fdp_6,
+        index_fdp_6,
+        mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
+    );
+    let index_fdp_8 = sqrt(index_fdp_7);
+    let index_fdp_9 = 1.0 / index_fdp_8;
+    let index_fdp_10 = index_fdp_9
+        * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3);
+    let index_fdp_11 = neg_mul_add(
+        6.297599999999999e-5,
+        cos_index_pip,
+        0.000345344 * sin_index_pip,
+    );
+    let index_fdp_12 = sqrt(0.000354510464 - index_fdp_11);
+    let index_fdp_13 = mul_add(
+        1.463168000000001e-5,
+        cos_index_dip,
+        0.000152684 * sin_index_dip,
+    );
+    let index_fdp_14 = sqrt(0.00015491888400000003 - index_fdp_13);
+    let index_fdp_15 = k_flexor
+        * (0.12972844537042483 + index_fdp_8 + index_fdp_12 + index_fdp_14
+            - rest_index_fdp);
+    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
+    let index_edc_2 = mul_add(
+        0.002999999999999997,
+        cos_index_ab,
+        2.439454888092385e-19 * sin_index_ab,
+    );
+    let index_edc_3 = index_edc_2 + index_edc_1;
+    let index_edc_4 = neg_mul_add(
+        2.439454888092385e-19,
+        cos_index_ab,
+        0.002999999999999997 * sin_index_ab,
+    );
+    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
+    let index_edc_6 = -0.011 + index_edc_5;
+    let index_edc_7 = mul_add(
+        index_edc_6,
+        index_edc_6,
+        mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
+    );
+    let index_edc_8 = sqrt(index_edc_7);
+    let index_edc_9 = 1.0 / index_edc_8;
+    let index_edc_10 = index_edc_9
+        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3);
+    let index_edc_11 = mul_sub(
+        0.00015399999999999998,
+        cos_index_pip,
+        7.200000000000003e-5 * sin_index_pip,
+    );
+    let index_edc_12 = sqrt(0.00016999999999999999 - index_edc_11);
+    let index_edc_13 = k_extensor
+        * (0.14993665655140606 + index_edc_8 + index_edc_12 - rest_index_edc);
+    let index_interosseous_1 = neg_mul_add(
+        0.008000000000000004,
+        cos_index_ab,
+        0.010999999999999996 * sin_index_ab,
+    );
+    let index_interosseous_2 = 0.008 * cos_index_mcp;
+    let index_interosseous_3 = neg_mul_add(0.001, sin_index_mcp, index_interosseous_2);
+    let index_interosseous_4 = index_interosseous_3 - index_interosseous_1;
+    let index_interosseous_5 = mul_add(
+        0.010999999999999996,
+        cos_index_ab,
+        0.008000000000000004 * sin_index_ab,
+    );
+    let index_interosseous_6 = 0.01 - index_interosseous_5;
+    let index_interosseous_7 = 0.008 * sin_index_mcp;
+    let index_interosseous_8 = mul_add(0.001, cos_index_mcp, index_interosseous_7);
+    let index_interosseous_9 = 0.001 - index_interosseous_8;
+    let index_interosseous_10 = mul_add(
+        index_interosseous_9,
+        index_interosseous_9,
+        mul_add(
+            index_interosseous_4,
+            index_interosseous_4,
+            index_interosseous_6 * index_interosseous_6,
+        ),
+    );
+    let index_interosseous_11 = sqrt(index_interosseous_10);
+    let index_interosseous_12 = 1.0 / index_interosseous_11;
+    let index_interosseous_13 = index_interosseous_12
+        * mul_sub(
+            index_interosseous_1,
+            index_interosseous_6,
+            index_interosseous_5 * index_interosseous_4,
+        );
+    let index_interosseous_14 = k_intrinsic
+        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
+    let index_ab_19 = mul_add(
+        index_interosseous_13,
+        index_interosseous_14,
+        mul_add(index_fdp_10, index_fdp_15, index_edc_10 * index_edc_13),
+>>>>>>> work-a
     );
     let interosseous_11 = c_25 * (interosseous_6 + c_29 - rest_interosseous);
     let ab_37 = neg_mul_add(
@@ -522,6 +1048,7 @@ pub fn evaluate_with_matrix<L: Lane>(
         interosseous_12,
         index_interosseous_4 * interosseous_8,
     );
+<<<<<<< HEAD
     let band_16 = index_band_3 * band_7;
     let band_17 = mul_add(index_band_1, band_16, index_band_2 * band_8);
     force[1] = mul_add(
@@ -819,6 +1346,383 @@ pub fn evaluate_with_matrix<L: Lane>(
         band_24 * (band_20 * neg_mul_add(band_21, band_21, band_13)),
     );
     matrix[15] = dip_7 - mcp_21 - dip_8 - fdp_32 - band_33;
+=======
+    let index_band_9 = sqrt(index_band_8);
+    let index_band_10 = 1.0 / index_band_9;
+    let index_band_11 = index_band_10
+        * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3);
+    let index_band_12 = mul_sub(
+        5.399999999999997e-5,
+        cos_index_pip,
+        7.200000000000004e-5 * sin_index_pip,
+    );
+    let index_band_13 = sqrt(9.000000000000003e-5 - index_band_12);
+    let index_band_14 = mul_sub(
+        7.65e-5,
+        cos_index_dip,
+        5.1999999999999976e-5 * sin_index_dip,
+    );
+    let index_band_15 = sqrt(9.649999999999999e-5 - index_band_14);
+    let index_band_16 = k_intrinsic
+        * (0.09421199494172741 + index_band_9 + index_band_13 + index_band_15
+            - rest_index_band);
+    force[coordinate::INDEX_AB] = mul_sub(index_band_11, index_band_16, index_ab_19);
+    let index_mcp_23 = v_index_ab * index_ab_4;
+    let index_mcp_24 = v_index_ab * index_mcp_6;
+    let index_mcp_25 = neg_mul_add(
+        index_mcp_24,
+        index_mcp_23,
+        neg_mul_add(index_mcp_14, index_mcp_3, index_mcp_12 * index_mcp_5),
+    );
+    let index_mcp_26 = v_index_ab * index_mcp_8;
+    let index_mcp_27 = v_index_ab * index_ab_11;
+    let index_mcp_28 = neg_mul_add(
+        index_mcp_27,
+        index_mcp_26,
+        neg_mul_add(index_mcp_7, index_mcp_20, index_mcp_10 * index_mcp_18),
+    );
+    let index_mcp_29 = index_ab_2 * index_ab_7;
+    let index_mcp_30 = v_index_ab * v_index_ab;
+    let index_mcp_31 = v_index_ab * index_mcp_4;
+    let index_mcp_32 = v_index_ab * index_ab_5;
+    let index_mcp_33 = index_mcp_27 + index_mcp_32;
+    let index_mcp_34 = neg_mul_add(
+        index_mcp_33,
+        index_mcp_31,
+        neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
+    );
+    let index_mcp_35 = index_ab_3 * index_ab_16;
+    let index_mcp_36 = neg_mul_add(index_mcp_35, index_mcp_30, index_mcp_34);
+    let index_mcp_37 = index_mcp_36
+        + neg_mul_add(index_mcp_29, index_mcp_30, index_mcp_25 + index_mcp_28);
+    let index_mcp_38 = v_index_ab * index_ab_9;
+    let index_mcp_39 = index_mcp_38 + index_mcp_23;
+    let index_mcp_40 = v_index_ab * index_mcp_9;
+    let index_mcp_41 = neg_mul_add(
+        index_mcp_40,
+        index_mcp_39,
+        neg_mul_add(index_mcp_10, index_mcp_19, index_mcp_7 * index_mcp_21),
+    );
+    let index_mcp_42 = cos_index_mcp * index_ab_12;
+    let index_fdp_16 = index_fdp_9
+        * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6);
+    let index_mcp_43 = mul_add(
+        index_fdp_16,
+        index_fdp_15,
+        index_mcp_37 + neg_mul_add(index_mcp_42, index_mcp_30, index_mcp_41),
+    );
+    let index_edc_14 = index_edc_9
+        * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6);
+    let index_interosseous_15 = index_interosseous_12
+        * mul_add(
+            index_interosseous_8,
+            index_interosseous_4,
+            index_interosseous_3 * index_interosseous_9,
+        );
+    let index_band_17 = index_band_10
+        * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7);
+    force[coordinate::INDEX_MCP] = mul_add(
+        index_band_17,
+        index_band_16,
+        mul_add(
+            index_interosseous_15,
+            index_interosseous_14,
+            neg_mul_add(index_edc_14, index_edc_13, index_mcp_43),
+        ),
+    );
+    let index_fdp_17 = 1.0 / index_fdp_12;
+    let index_fdp_18 = index_fdp_17
+        * mul_add(3.1487999999999994e-5, sin_index_pip, 0.000172672 * cos_index_pip);
+    let index_edc_15 = 1.0 / index_edc_12;
+    let index_edc_16 = index_edc_15
+        * mul_add(
+            7.699999999999999e-5,
+            sin_index_pip,
+            3.6000000000000014e-5 * cos_index_pip,
+        );
+    let index_band_18 = 1.0 / index_band_13;
+    let index_band_19 = index_band_18
+        * mul_add(
+            2.6999999999999985e-5,
+            sin_index_pip,
+            3.600000000000002e-5 * cos_index_pip,
+        );
+    force[coordinate::INDEX_PIP] = neg_mul_add(
+        index_band_19,
+        index_band_16,
+        neg_mul_add(
+            index_edc_16,
+            index_edc_13,
+            mul_add(index_fdp_18, index_fdp_15, index_mcp_37),
+        ),
+    );
+    let index_fdp_19 = 1.0 / index_fdp_14;
+    let index_fdp_20 = index_fdp_19
+        * mul_sub(7.315840000000005e-6, sin_index_dip, 7.6342e-5 * cos_index_dip);
+    let index_band_20 = 1.0 / index_band_15;
+    let index_band_21 = index_band_20
+        * mul_add(3.825e-5, sin_index_dip, 2.5999999999999988e-5 * cos_index_dip);
+    force[coordinate::INDEX_DIP] = neg_mul_add(
+        index_band_21,
+        index_band_16,
+        neg_mul_add(index_fdp_20, index_fdp_15, index_mcp_36),
+    );
+    let index_fdp_21 = 0.25 * h;
+    let index_fdp_22 = index_fdp_21 * index_fdp_15;
+    let index_fdp_23 = index_fdp_9 * index_fdp_22;
+    let index_fdp_24 = k_flexor * index_fdp_21;
+    let index_fdp_25 = index_fdp_24 - index_fdp_23;
+    let index_fdp_26 = index_fdp_2 * index_fdp_1;
+    let index_ab_20 = 1.0 / h;
+    let index_ab_21 = mul_add(
+        index_ab_20,
+        index_ab_18,
+        mul_sub(index_fdp_10, index_fdp_10 * index_fdp_25, index_fdp_26 * index_fdp_23),
+    );
+    let index_edc_17 = index_fdp_21 * index_edc_13;
+    let index_edc_18 = index_edc_9 * index_edc_17;
+    let index_edc_19 = k_extensor * index_fdp_21;
+    let index_edc_20 = index_edc_19 - index_edc_18;
+    let index_edc_21 = index_edc_2 * index_edc_1;
+    let index_ab_22 = mul_sub(
+        index_edc_10,
+        index_edc_10 * index_edc_20,
+        index_edc_21 * index_edc_18,
+    ) + index_ab_21;
+    let index_interosseous_16 = index_interosseous_12
+        * (index_fdp_21 * index_interosseous_14);
+    let index_interosseous_17 = k_intrinsic * index_fdp_21;
+    let index_interosseous_18 = index_interosseous_17 - index_interosseous_16;
+    let index_interosseous_19 = index_interosseous_1 * index_interosseous_3;
+    let index_interosseous_20 = mul_add(
+        index_interosseous_13,
+        index_interosseous_13 * index_interosseous_18,
+        mul_add(0.01, index_interosseous_5, index_interosseous_19)
+            * index_interosseous_16,
+    );
+    let index_band_22 = index_fdp_21 * index_band_16;
+    let index_band_23 = index_band_10 * index_band_22;
+    let index_band_24 = index_interosseous_17 - index_band_23;
+    let index_band_25 = index_band_2 * index_band_1;
+    let index_band_26 = mul_sub(
+        index_band_11,
+        index_band_11 * index_band_24,
+        mul_add(0.009, index_band_4, index_band_25) * index_band_23,
+    );
+    matrix[0] = -(index_band_26 + (index_interosseous_20 + index_ab_22));
+    let index_fdp_27 = index_fdp_16 * index_fdp_25;
+    let index_edc_22 = index_edc_14 * index_edc_20;
+    let index_ab_23 = neg_mul_add(
+        index_fdp_10,
+        index_fdp_27,
+        index_fdp_4 * index_fdp_5 * index_fdp_23,
+    ) + mul_sub(index_edc_10, index_edc_22, index_edc_4 * index_edc_5 * index_edc_18);
+    let index_interosseous_21 = index_interosseous_15 * index_interosseous_18;
+    let index_ab_24 = neg_mul_add(
+        index_interosseous_13,
+        index_interosseous_21,
+        index_interosseous_5 * index_interosseous_8 * index_interosseous_16,
+    ) + index_ab_23;
+    let index_band_27 = index_band_17 * index_band_24;
+    let index_ab_25 = mul_add(
+        index_band_11,
+        index_band_27,
+        index_band_4 * index_band_6 * index_band_23,
+    ) + index_ab_24;
+    let index_ab_26 = 2.0 * v_index_ab;
+    let index_ab_27 = mul_add(
+        index_mcp_35,
+        index_ab_26,
+        mul_add(index_ab_11 + index_ab_5, index_mcp_31, index_mcp_33 * index_mcp_4),
+    );
+    let index_ab_28 = 0.5 * index_ab_27;
+    let index_ab_29 = mul_add(
+        index_mcp_6,
+        index_mcp_23,
+        mul_add(index_mcp_24, index_ab_4, index_ab_11 * index_mcp_26),
+    );
+    let index_ab_30 = mul_add(
+        0.5,
+        mul_add(
+            index_mcp_29,
+            index_ab_26,
+            mul_add(index_mcp_27, index_mcp_8, index_ab_29),
+        ),
+        index_ab_28,
+    );
+    let index_ab_31 = mul_add(
+        index_mcp_42,
+        index_ab_26,
+        mul_add(index_mcp_40, index_ab_10, index_mcp_9 * index_mcp_39),
+    );
+    let index_ab_32 = mul_add(0.5, index_ab_31, index_ab_30);
+    matrix[1] = index_ab_32 - index_ab_25;
+    let index_edc_23 = index_edc_16 * index_edc_19;
+    let index_fdp_28 = index_fdp_18 * index_fdp_24;
+    let index_band_28 = index_interosseous_17 * index_band_19;
+    let index_ab_33 = mul_add(
+        index_band_11,
+        index_band_28,
+        mul_sub(index_fdp_10, index_fdp_28, index_edc_10 * index_edc_23),
+    );
+    matrix[2] = index_ab_30 + index_ab_33;
+    let index_band_29 = index_interosseous_17 * index_band_21;
+    let index_fdp_29 = index_fdp_20 * index_fdp_24;
+    let index_ab_34 = neg_mul_add(
+        index_fdp_10,
+        index_fdp_29,
+        index_band_11 * index_band_29,
+    );
+    matrix[3] = index_ab_28 + index_ab_34;
+    matrix[4] = -(index_ab_32 + index_ab_25);
+    let index_mcp_44 = mul_add(index_mcp_12, index_mcp_3, index_mcp_14 * index_mcp_5);
+    let index_mcp_45 = 2.0 * index_mcp_30;
+    let index_mcp_46 = mul_add(index_mcp_10, index_mcp_20, index_mcp_7 * index_mcp_18);
+    let index_mcp_47 = mul_add(
+        index_ab_8,
+        index_mcp_45,
+        mul_add(index_mcp_32, index_mcp_23, index_mcp_44),
+    ) + mul_add(index_mcp_27, index_mcp_38, index_mcp_46);
+    let index_mcp_48 = mul_sub(
+        index_fdp_21,
+        mul_add(index_mcp_24, index_mcp_31, index_mcp_44),
+        index_ab_20 * mul_add(index_mcp_6, index_mcp_4, index_ab_6),
+    );
+    let index_mcp_49 = mul_add(
+        index_mcp_33,
+        index_mcp_23,
+        mul_add(index_mcp_13, index_mcp_3, index_mcp_15 * index_mcp_5),
+    );
+    let index_mcp_50 = mul_add(
+        index_fdp_21,
+        mul_add(index_ab_17, index_mcp_45, index_mcp_49),
+        2.5540671987294797e-7 * index_ab_20,
+    );
+    let index_mcp_51 = index_mcp_48 - index_mcp_50;
+    let index_mcp_52 = index_mcp_48
+        - mul_add(index_fdp_21, index_mcp_47, 2.2502977721519766e-6 * index_ab_20)
+        + index_mcp_51;
+    let index_mcp_53 = mul_add(
+        index_mcp_40,
+        index_mcp_31,
+        mul_add(index_mcp_10, index_mcp_5, index_mcp_7 * index_mcp_3),
+    );
+    let index_mcp_54 = mul_sub(
+        index_fdp_21,
+        index_mcp_53,
+        index_ab_20 * mul_add(index_mcp_9, index_mcp_4, index_ab_11 * index_ab_4),
+    );
+    let index_mcp_55 = mul_sub(
+        index_fdp_21,
+        mul_add(index_mcp_40, index_mcp_26, index_mcp_46),
+        index_ab_20 * mul_add(index_mcp_9, index_mcp_8, index_ab_11 * index_ab_9),
+    );
+    let index_mcp_56 = index_mcp_55 + index_mcp_54;
+    let index_mcp_57 = index_mcp_56 + index_mcp_52;
+    let index_mcp_58 = mul_add(
+        index_mcp_27,
+        index_mcp_39,
+        mul_add(index_mcp_7, index_mcp_19, index_mcp_10 * index_mcp_21),
+    );
+    let index_mcp_59 = mul_add(
+        index_fdp_21,
+        mul_add(index_ab_13, index_mcp_45, index_mcp_58),
+        1.8193617546820962e-5 * index_ab_20,
+    );
+    let index_fdp_30 = mul_add(
+        index_fdp_16,
+        index_fdp_27,
+        mul_sub(0.011, index_fdp_5, index_fdp_26) * index_fdp_23,
+    );
+    let index_edc_24 = mul_add(
+        index_edc_14,
+        index_edc_22,
+        mul_sub(0.011, index_edc_5, index_edc_21) * index_edc_18,
+    );
+    let index_interosseous_22 = mul_add(
+        index_interosseous_15,
+        index_interosseous_21,
+        mul_add(0.001, index_interosseous_8, index_interosseous_19)
+            * index_interosseous_16,
+    );
+    let index_mcp_60 = index_mcp_56 - index_mcp_59 + index_mcp_57 - index_fdp_30
+        - index_edc_24 - index_interosseous_22;
+    let index_band_30 = mul_add(
+        index_band_17,
+        index_band_27,
+        mul_sub(0.005, index_band_6, index_band_25) * index_band_23,
+    );
+    matrix[5] = index_mcp_60 - index_band_30;
+    let index_mcp_61 = mul_add(
+        index_band_17,
+        index_band_28,
+        neg_mul_add(
+            index_edc_14,
+            index_edc_23,
+            neg_mul_add(index_fdp_16, index_fdp_28, index_mcp_57),
+        ),
+    );
+    let index_mcp_62 = neg_mul_add(index_mcp_9, index_ab_4, index_ab_11 * index_mcp_4)
+        * (0.5 * (v_index_mcp + index_mcp_2));
+    let index_mcp_63 = mul_add(
+        neg_mul_add(index_mcp_9, index_ab_9, index_ab_11 * index_mcp_8),
+        0.5 * (v_index_mcp + index_mcp_1),
+        index_mcp_62,
+    );
+    matrix[6] = index_mcp_63 + index_mcp_61;
+    let index_mcp_64 = mul_add(
+        index_band_17,
+        index_band_29,
+        mul_add(index_fdp_16, index_fdp_29, index_mcp_54 + index_mcp_51),
+    );
+    let index_mcp_65 = neg_mul_add(index_mcp_6, index_ab_4, index_ab_5 * index_mcp_4)
+        * (0.5 * (index_mcp_1 + index_mcp_2));
+    let index_mcp_66 = index_mcp_62 + index_mcp_65;
+    matrix[7] = index_mcp_66 + index_mcp_64;
+    matrix[8] = index_ab_33 - index_ab_30;
+    matrix[9] = index_mcp_61 - index_mcp_63;
+    let index_fdp_31 = index_fdp_17 * index_fdp_22;
+    let index_fdp_32 = mul_add(
+        index_fdp_18,
+        index_fdp_18 * (index_fdp_24 - index_fdp_31),
+        0.5 * index_fdp_11 * index_fdp_31,
+    );
+    let index_edc_25 = index_edc_15 * index_edc_17;
+    let index_edc_26 = mul_add(
+        index_edc_16,
+        index_edc_16 * (index_edc_19 - index_edc_25),
+        0.5 * index_edc_11 * index_edc_25,
+    );
+    let index_band_31 = index_band_18 * index_band_22;
+    let index_band_32 = mul_add(
+        index_band_19,
+        index_band_19 * (index_interosseous_17 - index_band_31),
+        0.5 * index_band_12 * index_band_31,
+    );
+    matrix[10] = index_mcp_52 - index_fdp_32 - index_edc_26 - index_band_32;
+    let index_pip_1 = neg_mul_add(
+        index_band_19,
+        index_band_29,
+        mul_add(index_fdp_18, index_fdp_29, index_mcp_51),
+    );
+    matrix[11] = index_mcp_65 + index_pip_1;
+    matrix[12] = index_ab_34 - index_ab_28;
+    matrix[13] = index_mcp_64 - index_mcp_66;
+    matrix[14] = index_pip_1 - index_mcp_65;
+    let index_fdp_33 = index_fdp_19 * index_fdp_22;
+    let index_fdp_34 = mul_add(
+        index_fdp_20,
+        index_fdp_20 * (index_fdp_24 - index_fdp_33),
+        0.5 * index_fdp_13 * index_fdp_33,
+    );
+    let index_band_33 = index_band_20 * index_band_22;
+    let index_band_34 = mul_add(
+        index_band_21,
+        index_band_21 * (index_interosseous_17 - index_band_33),
+        0.5 * index_band_14 * index_band_33,
+    );
+    matrix[15] = -(index_band_34 + (index_fdp_34 + index_mcp_50));
+>>>>>>> work-a
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -829,6 +1733,7 @@ pub fn evaluate_with_matrix<L: Lane>(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
+<<<<<<< HEAD
 /// 107 operations: 19 sums, 29 products, 28 products with sum, 3 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16]) {
@@ -1292,4 +2197,75 @@ impl Shape<4, 16, 4, 4, 0> for Equations {
     fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
         self::lengths(q, constants, lengths);
     }
+=======
+/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
+pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
+    let q_index_mcp = q[coordinate::INDEX_MCP];
+    let q_index_pip = q[coordinate::INDEX_PIP];
+    let q_index_dip = q[coordinate::INDEX_DIP];
+    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let index_ab_1 = mul_add(
+        sin_index_mcp,
+        cos_index_pip,
+        cos_index_mcp * sin_index_pip,
+    );
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_ab_2 = mul_sub(
+        cos_index_mcp,
+        cos_index_pip,
+        sin_index_mcp * sin_index_pip,
+    );
+    let index_ab_3 = 2.113600077163611e-5
+        * mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
+    let index_ab_4 = 0.0224 * index_ab_2 * index_ab_3;
+    let index_ab_5 = mul_add(
+        2.0,
+        index_ab_4,
+        neg_mul_add(
+            index_ab_1,
+            2.0917644617198177e-6 * index_ab_1,
+            1.0458822308599088e-6,
+        ),
+    );
+    let index_ab_6 = 0.0001154165848898187 * index_ab_2;
+    let index_ab_7 = 0.039799999999999995 * cos_index_mcp;
+    let index_ab_8 = mul_add(
+        2.0,
+        index_ab_7 * (index_ab_6 + index_ab_3),
+        neg_mul_add(
+            sin_index_mcp,
+            1.7742421098850526e-5 * sin_index_mcp,
+            8.871210549425263e-6,
+        ),
+    );
+    let index_ab_9 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
+    matrix[0] = neg_mul_add(
+        index_ab_9,
+        1.8985836304951953e-7 * index_ab_9,
+        9.492918152475976e-8,
+    ) + (1.0687300077035954e-5 + index_ab_8 + index_ab_5);
+    let index_mcp_1 = 2.113600077163611e-5 * index_ab_9;
+    let index_mcp_2 = mul_add(0.0224 * index_ab_1, index_mcp_1, index_ab_4);
+    let index_mcp_3 = 2.5540671987294797e-7 + index_mcp_2;
+    let index_mcp_4 = 2.2502977721519766e-6 + index_mcp_2 + index_mcp_3;
+    let index_mcp_5 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_6 = mul_add(index_mcp_5, index_mcp_1, index_ab_7 * index_ab_3);
+    let index_mcp_7 = mul_add(
+        index_mcp_5,
+        0.0001154165848898187 * index_ab_1,
+        index_ab_7 * index_ab_6,
+    ) + index_mcp_6;
+    let index_mcp_8 = index_mcp_7 + index_mcp_4;
+    matrix[5] = 1.8193617546820962e-5 + index_mcp_7 + index_mcp_8;
+    matrix[6] = index_mcp_8;
+    let index_mcp_9 = index_mcp_6 + index_mcp_3;
+    matrix[7] = index_mcp_9;
+    matrix[9] = index_mcp_8;
+    matrix[10] = index_mcp_4;
+    matrix[11] = index_mcp_3;
+    matrix[13] = index_mcp_9;
+    matrix[14] = index_mcp_3;
+    matrix[15] = 2.5540671987294797e-7;
+>>>>>>> work-a
 }

@@ -15,6 +15,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
+<<<<<<< HEAD
 /// 479 operations: 55 sums, 126 products, 134 products with sum, 13 divisions, 13 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
@@ -217,6 +218,144 @@ pub fn evaluate<L: Lane>(
         L::splat(0.008000000000000004),
         sin_thumb_ab,
         L::splat(0.0029999999999999996) * cos_thumb_ab,
+=======
+/// 439 operations: 64 sums, 119 products, 113 products with sum, 13 divisions, 13 roots, 4 sines and cosines.
+pub fn evaluate(
+    q: &[f64; COORDINATES],
+    v: &[f64; COORDINATES],
+    rest: &[f64; STRANDS],
+    params: &[f64; PARAMETERS],
+    momentum: &mut [f64; COORDINATES],
+    force: &mut [f64; COORDINATES],
+) {
+    let q_thumb_ab = q[coordinate::THUMB_AB];
+    let q_thumb_cmc = q[coordinate::THUMB_CMC];
+    let q_thumb_mcp = q[coordinate::THUMB_MCP];
+    let q_thumb_ip = q[coordinate::THUMB_IP];
+    let v_thumb_ab = v[coordinate::THUMB_AB];
+    let v_thumb_cmc = v[coordinate::THUMB_CMC];
+    let v_thumb_mcp = v[coordinate::THUMB_MCP];
+    let v_thumb_ip = v[coordinate::THUMB_IP];
+    let k_flexor = params[parameter::K_FLEXOR];
+    let k_extensor = params[parameter::K_EXTENSOR];
+    let k_intrinsic = params[parameter::K_INTRINSIC];
+    let rest_thumb_fpl = rest[strand::THUMB_FPL];
+    let rest_thumb_epl = rest[strand::THUMB_EPL];
+    let rest_thumb_epb = rest[strand::THUMB_EPB];
+    let rest_thumb_apl = rest[strand::THUMB_APL];
+    let rest_thumb_apb = rest[strand::THUMB_APB];
+    let rest_thumb_opp = rest[strand::THUMB_OPP];
+    let rest_thumb_adp = rest[strand::THUMB_ADP];
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
+    let thumb_ab_1 = mul_add(
+        sin_thumb_cmc,
+        cos_thumb_mcp,
+        cos_thumb_cmc * sin_thumb_mcp,
+    );
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_ab_2 = mul_sub(
+        cos_thumb_cmc,
+        cos_thumb_mcp,
+        sin_thumb_cmc * sin_thumb_mcp,
+    );
+    let thumb_ab_3 = mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
+    let thumb_ab_4 = 6.59048003551084e-5 * thumb_ab_3;
+    let thumb_ab_5 = 0.0316 * thumb_ab_2;
+    let thumb_ab_6 = 9.42724093757499e-6 * thumb_ab_1;
+    let thumb_ab_7 = mul_add(
+        2.0,
+        thumb_ab_5 * thumb_ab_4,
+        neg_mul_add(thumb_ab_1, thumb_ab_6, 4.713620468787495e-6),
+    );
+    let thumb_ab_8 = 0.00036448271648406014 * thumb_ab_2;
+    let thumb_ab_9 = 0.046200000000000005 * cos_thumb_cmc;
+    let thumb_ab_10 = 4.943365874069823e-5 * sin_thumb_cmc;
+    let thumb_ab_11 = mul_add(
+        2.0,
+        thumb_ab_9 * (thumb_ab_8 + thumb_ab_4),
+        neg_mul_add(sin_thumb_cmc, thumb_ab_10, 2.4716829370349116e-5),
+    );
+    let thumb_ab_12 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
+    let thumb_ab_13 = 8.304207317248589e-7 * thumb_ab_12;
+    let thumb_ab_14 = neg_mul_add(thumb_ab_12, thumb_ab_13, 4.1521036586242944e-7)
+        + (3.180643293651146e-5 + thumb_ab_11 + thumb_ab_7);
+    momentum[coordinate::THUMB_AB] = v_thumb_ab * thumb_ab_14;
+    let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
+    let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
+    let thumb_cmc_3 = thumb_cmc_2 * thumb_ab_4;
+    let thumb_cmc_4 = 6.59048003551084e-5 * thumb_ab_12;
+    let thumb_cmc_5 = thumb_cmc_2 * thumb_cmc_4;
+    let thumb_cmc_6 = 0.0316 * thumb_ab_1;
+    let thumb_cmc_7 = v_thumb_cmc * thumb_ab_9;
+    let thumb_cmc_8 = 0.00036448271648406014 * thumb_ab_1;
+    let thumb_cmc_9 = 0.046200000000000005 * sin_thumb_cmc;
+    let thumb_cmc_10 = v_thumb_cmc * thumb_cmc_9;
+    let thumb_cmc_11 = mul_add(thumb_cmc_6, thumb_cmc_5, thumb_ab_5 * thumb_cmc_3)
+        + mul_add(thumb_cmc_10, thumb_cmc_8, thumb_cmc_7 * thumb_ab_8);
+    let thumb_cmc_12 = thumb_cmc_1 * thumb_ab_5;
+    let thumb_cmc_13 = thumb_cmc_7 + thumb_cmc_12;
+    let thumb_cmc_14 = thumb_cmc_1 * thumb_cmc_6;
+    let thumb_cmc_15 = thumb_cmc_10 + thumb_cmc_14;
+    let thumb_cmc_16 = mul_add(
+        1.0764248252162773e-6,
+        thumb_cmc_2,
+        mul_add(thumb_cmc_15, thumb_cmc_4, thumb_cmc_13 * thumb_ab_4),
+    );
+    let thumb_cmc_17 = thumb_cmc_16
+        + mul_add(9.973249740768897e-6, thumb_cmc_1, thumb_cmc_11);
+    let thumb_cmc_18 = thumb_cmc_1 * thumb_ab_8;
+    let thumb_cmc_19 = thumb_cmc_18 + thumb_cmc_3;
+    let thumb_cmc_20 = thumb_cmc_1 * thumb_cmc_8;
+    let thumb_cmc_21 = thumb_cmc_20 + thumb_cmc_5;
+    let thumb_cmc_22 = mul_add(
+        5.060241857552533e-5,
+        v_thumb_cmc,
+        mul_add(thumb_cmc_9, thumb_cmc_21, thumb_ab_9 * thumb_cmc_19),
+    );
+    momentum[coordinate::THUMB_CMC] = thumb_cmc_17 + thumb_cmc_22;
+    momentum[coordinate::THUMB_MCP] = thumb_cmc_17;
+    momentum[coordinate::THUMB_IP] = thumb_cmc_16;
+    let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
+    let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
+    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
+    let thumb_epl_2 = 0.004 * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2);
+    let thumb_epl_4 = thumb_epl_3 + thumb_epl_1;
+    let thumb_epl_5 = 0.004 * sin_thumb_ab;
+    let thumb_epl_6 = neg_mul_add(0.008, cos_thumb_ab, thumb_epl_5);
+    let thumb_epl_7 = -0.008 - thumb_epl_6;
+    let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
+    let thumb_epl_8 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_9 = -0.012 + thumb_epl_8;
+    let thumb_epl_10 = mul_add(
+        thumb_epl_9,
+        thumb_epl_9,
+        mul_add(thumb_epl_4, thumb_epl_4, thumb_epl_7 * thumb_epl_7),
+    );
+    let thumb_epl_11 = sqrt(thumb_epl_10);
+    let thumb_epl_12 = 1.0 / thumb_epl_11;
+    let thumb_epl_13 = sqrt(
+        0.00025309000000000003
+            - mul_sub(0.00023099999999999998, cos_thumb_mcp, 0.0001034 * sin_thumb_mcp),
+    );
+    let thumb_epl_14 = sqrt(
+        0.00021066000000000002
+            - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
+    );
+    let thumb_epl_15 = k_extensor
+        * (0.10924140044546013 + thumb_epl_11 + thumb_epl_13 + thumb_epl_14
+            - rest_thumb_epl);
+    let thumb_epl_16 = thumb_epl_12
+        * mul_add(thumb_epl_3, thumb_epl_7, thumb_epl_6 * thumb_epl_4) * thumb_epl_15;
+    let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
+    let thumb_fpl_4 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab);
+    let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
+    let thumb_fpl_6 = neg_mul_add(
+        0.003,
+        cos_thumb_ab,
+        0.008000000000000002 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_fpl_5 = L::splat(-0.002) - thumb_fpl_4;
     let thumb_fpl_6 = index_fdp_1 + index_fdp_2;
@@ -226,6 +365,7 @@ pub fn evaluate<L: Lane>(
         thumb_fpl_7,
         mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_5 * thumb_fpl_5),
     );
+<<<<<<< HEAD
     let thumb_fpl_9 = sqrt(thumb_fpl_8);
     let thumb_fpl_10 = L::splat(1.0) / thumb_fpl_9;
     let thumb_fpl_11 = thumb_fpl_3 * thumb_fpl_10;
@@ -284,16 +424,63 @@ pub fn evaluate<L: Lane>(
         thumb_epb_9,
         neg_mul_add(thumb_epb_3, thumb_epb_8, thumb_epb_1 * (thumb_epb_4 * thumb_epb_7)),
         thumb_ab_30,
+=======
+    let thumb_fpl_11 = sqrt(thumb_fpl_10);
+    let thumb_fpl_12 = 1.0 / thumb_fpl_11;
+    let thumb_fpl_13 = sqrt(
+        0.00042100000000000004
+            - mul_add(1.9999999999999944e-5, cos_thumb_mcp, 0.00042 * sin_thumb_mcp),
+    );
+    let thumb_fpl_14 = sqrt(
+        0.00030115999999999997
+            - neg_mul_add(
+                9.599999999999962e-6,
+                cos_thumb_ip,
+                0.00029759999999999997 * sin_thumb_ip,
+            ),
+    );
+    let thumb_fpl_15 = k_flexor
+        * (0.0774786774042295 + thumb_fpl_11 + thumb_fpl_13 + thumb_fpl_14
+            - rest_thumb_fpl);
+    let thumb_ab_15 = mul_add(
+        thumb_fpl_12 * mul_add(thumb_fpl_4, thumb_fpl_7, thumb_fpl_6 * thumb_fpl_5),
+        thumb_fpl_15,
+        thumb_epl_16,
+    );
+    let thumb_epb_1 = mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
+    let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
+    let thumb_epb_3 = mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_5);
+    let thumb_epb_4 = 0.005 - thumb_epb_3;
+    let thumb_epb_5 = -0.012000000000000004 + thumb_epl_8;
+    let thumb_epb_6 = mul_add(
+        thumb_epb_5,
+        thumb_epb_5,
+        mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
+    );
+    let thumb_epb_7 = sqrt(thumb_epb_6);
+    let thumb_epb_8 = 1.0 / thumb_epb_7;
+    let thumb_epb_9 = k_intrinsic
+        * (thumb_epl_13 + (0.07536380062479958 + thumb_epb_7) - rest_thumb_epb);
+    let thumb_ab_16 = neg_mul_add(
+        thumb_epb_8 * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2),
+        thumb_epb_9,
+        thumb_ab_15,
+>>>>>>> work-a
     );
     let thumb_apl_1 = neg_mul_add(
         L::splat(0.007000000000000001),
         cos_thumb_ab,
+<<<<<<< HEAD
         L::splat(0.012000000000000004) * sin_thumb_ab,
+=======
+        0.012000000000000002 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
+<<<<<<< HEAD
         L::splat(0.007000000000000001),
         sin_thumb_ab,
         L::splat(0.012000000000000004) * cos_thumb_ab,
@@ -302,12 +489,23 @@ pub fn evaluate<L: Lane>(
     let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
     let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
+=======
+        0.012000000000000002,
+        cos_thumb_ab,
+        0.007000000000000001 * sin_thumb_ab,
+    );
+    let thumb_apl_6 = 0.012 - thumb_apl_5;
+    let thumb_apl_7 = 0.006 * sin_thumb_cmc;
+    let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
+    let thumb_apl_9 = -0.005000000000000003 + thumb_apl_8;
+>>>>>>> work-a
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
     let thumb_apl_11 = sqrt(thumb_apl_10);
+<<<<<<< HEAD
     let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
     let thumb_apl_13 = thumb_apl_4 * thumb_apl_12;
     let thumb_apl_14 = c_0
@@ -320,19 +518,33 @@ pub fn evaluate<L: Lane>(
             thumb_apl_1 * (thumb_apl_6 * thumb_apl_12),
         ),
         thumb_ab_31,
+=======
+    let thumb_apl_12 = 1.0 / thumb_apl_11;
+    let thumb_apl_13 = k_intrinsic
+        * (0.030550892117392127 + thumb_apl_11 - rest_thumb_apl);
+    let thumb_ab_17 = neg_mul_add(
+        thumb_apl_12 * mul_sub(thumb_apl_1, thumb_apl_6, thumb_apl_5 * thumb_apl_4),
+        thumb_apl_13,
+        thumb_ab_16,
+>>>>>>> work-a
     );
     let thumb_apb_1 = neg_mul_add(
         L::splat(0.00874910502142235),
         cos_thumb_ab,
+<<<<<<< HEAD
         L::splat(0.003271760106466037) * sin_thumb_ab,
     );
     let thumb_apb_2 = neg_mul_add(
         L::splat(0.007),
         sin_thumb_cmc,
         L::splat(0.03) * cos_thumb_cmc,
+=======
+        0.003271760106466038 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
+<<<<<<< HEAD
         L::splat(0.00874910502142235),
         sin_thumb_ab,
         L::splat(0.003271760106466037) * cos_thumb_ab,
@@ -344,12 +556,22 @@ pub fn evaluate<L: Lane>(
         L::splat(0.007) * cos_thumb_cmc,
     );
     let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
+=======
+        0.003271760106466038,
+        cos_thumb_ab,
+        0.00874910502142235 * sin_thumb_ab,
+    );
+    let thumb_apb_5 = 0.009 - thumb_apb_4;
+    let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
+    let thumb_apb_7 = 0.013294688681193689 - thumb_apb_6;
+>>>>>>> work-a
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
         mul_add(thumb_apb_5, thumb_apb_5, thumb_apb_3 * thumb_apb_3),
     );
     let thumb_apb_9 = sqrt(thumb_apb_8);
+<<<<<<< HEAD
     let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
     let thumb_apb_11 = thumb_apb_3 * thumb_apb_10;
     let thumb_apb_12 = neg_mul_add(
@@ -386,6 +608,29 @@ pub fn evaluate<L: Lane>(
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
         L::splat(0.00046527292621430325),
+=======
+    let thumb_apb_10 = 1.0 / thumb_apb_9;
+    let thumb_apb_11 = sqrt(
+        0.00020423999999999998
+            - neg_mul_add(5.919999999999999e-5, cos_thumb_mcp, 0.0001944 * sin_thumb_mcp),
+    );
+    let thumb_apb_12 = k_intrinsic
+        * (0.008062257748298557 + thumb_apb_9 + thumb_apb_11 - rest_thumb_apb);
+    let thumb_ab_18 = neg_mul_add(
+        thumb_apb_10 * mul_sub(thumb_apb_1, thumb_apb_5, thumb_apb_4 * thumb_apb_3),
+        thumb_apb_12,
+        thumb_ab_17,
+    );
+    let thumb_opp_1 = mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
+    let thumb_opp_2 = mul_add(
+        0.009538977305795334,
+        cos_thumb_ab,
+        0.0004652729262143015 * sin_thumb_ab,
+    );
+    let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
+    let thumb_opp_4 = neg_mul_add(
+        0.0004652729262143015,
+>>>>>>> work-a
         cos_thumb_ab,
         L::splat(0.009538977305795334) * sin_thumb_ab,
     );
@@ -402,6 +647,7 @@ pub fn evaluate<L: Lane>(
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
     let thumb_opp_9 = sqrt(thumb_opp_8);
+<<<<<<< HEAD
     let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
     let thumb_opp_11 = thumb_opp_3 * thumb_opp_10;
     let thumb_opp_12 = c_0 * (thumb_opp_9 - rest_thumb_opp);
@@ -419,9 +665,23 @@ pub fn evaluate<L: Lane>(
         L::splat(0.038000000000000006),
         cos_thumb_cmc,
         thumb_apl_7,
+=======
+    let thumb_opp_10 = 1.0 / thumb_opp_9;
+    let thumb_opp_11 = k_intrinsic * (thumb_opp_9 - rest_thumb_opp);
+    let thumb_ab_19 = mul_add(
+        thumb_opp_10 * mul_add(thumb_opp_2, thumb_opp_5, thumb_opp_4 * thumb_opp_3),
+        thumb_opp_11,
+        thumb_ab_18,
+    );
+    let thumb_adp_1 = mul_sub(
+        0.025486067515228545,
+        cos_thumb_ab,
+        0.029821276684971587 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
+<<<<<<< HEAD
         L::splat(0.025486067515228545),
         sin_thumb_ab,
         L::splat(0.029821276684971594) * cos_thumb_ab,
@@ -433,12 +693,22 @@ pub fn evaluate<L: Lane>(
         thumb_apl_2,
     );
     let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
+=======
+        0.029821276684971587,
+        cos_thumb_ab,
+        0.025486067515228545 * sin_thumb_ab,
+    );
+    let thumb_adp_5 = -0.009 + thumb_adp_4;
+    let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
+    let thumb_adp_7 = 0.040658969729785124 - thumb_adp_6;
+>>>>>>> work-a
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
     let thumb_adp_9 = sqrt(thumb_adp_8);
+<<<<<<< HEAD
     let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
     let thumb_adp_11 = thumb_adp_3 * thumb_adp_10;
     let thumb_adp_12 = neg_mul_add(
@@ -507,9 +777,96 @@ pub fn evaluate<L: Lane>(
     );
     let thumb_epl_18 = mul_add(
         L::splat(0.00011549999999999999),
+=======
+    let thumb_adp_10 = 1.0 / thumb_adp_9;
+    let thumb_adp_11 = sqrt(
+        0.00019224000000000004
+            - neg_mul_add(7.12e-5, cos_thumb_mcp, 0.000178 * sin_thumb_mcp),
+    );
+    let thumb_adp_12 = k_intrinsic * (thumb_adp_9 + thumb_adp_11 - rest_thumb_adp);
+    force[coordinate::THUMB_AB] = neg_mul_add(
+        thumb_adp_10 * mul_add(thumb_adp_1, thumb_adp_5, thumb_adp_4 * thumb_adp_3),
+        thumb_adp_12,
+        thumb_ab_19,
+    );
+    let thumb_cmc_23 = v_thumb_ab * thumb_ab_4;
+    let thumb_cmc_24 = neg_mul_add(
+        v_thumb_ab * thumb_cmc_6,
+        thumb_cmc_23,
+        neg_mul_add(thumb_cmc_14, thumb_cmc_3, thumb_cmc_12 * thumb_cmc_5),
+    );
+    let thumb_cmc_25 = v_thumb_ab * thumb_ab_9;
+    let thumb_cmc_26 = neg_mul_add(
+        thumb_cmc_25,
+        v_thumb_ab * thumb_cmc_8,
+        neg_mul_add(thumb_cmc_7, thumb_cmc_20, thumb_cmc_10 * thumb_cmc_18),
+    );
+    let thumb_cmc_27 = v_thumb_ab * v_thumb_ab;
+    let thumb_cmc_28 = neg_mul_add(
+        mul_add(v_thumb_ab, thumb_ab_5, thumb_cmc_25),
+        v_thumb_ab * thumb_cmc_4,
+        neg_mul_add(thumb_cmc_13, thumb_cmc_5, thumb_cmc_15 * thumb_cmc_3),
+    );
+    let thumb_cmc_29 = neg_mul_add(thumb_ab_3 * thumb_ab_13, thumb_cmc_27, thumb_cmc_28);
+    let thumb_cmc_30 = thumb_cmc_29
+        + neg_mul_add(
+            thumb_ab_2 * thumb_ab_6,
+            thumb_cmc_27,
+            thumb_cmc_24 + thumb_cmc_26,
+        );
+    let thumb_cmc_31 = neg_mul_add(
+        v_thumb_ab * thumb_cmc_9,
+        mul_add(v_thumb_ab, thumb_ab_8, thumb_cmc_23),
+        neg_mul_add(thumb_cmc_10, thumb_cmc_19, thumb_cmc_7 * thumb_cmc_21),
+    );
+    let thumb_cmc_32 = mul_add(
+        thumb_fpl_12 * mul_add(thumb_fpl_8, thumb_fpl_5, thumb_fpl_3 * thumb_fpl_9),
+        thumb_fpl_15,
+        thumb_cmc_30
+            + neg_mul_add(cos_thumb_cmc * thumb_ab_10, thumb_cmc_27, thumb_cmc_31),
+    );
+    let thumb_cmc_33 = neg_mul_add(
+        thumb_epl_12 * mul_sub(thumb_epl_8, thumb_epl_4, thumb_epl_1 * thumb_epl_9),
+        thumb_epl_15,
+        thumb_cmc_32,
+    );
+    let thumb_cmc_34 = neg_mul_add(
+        thumb_epb_8 * mul_sub(thumb_epl_8, thumb_epb_2, thumb_epl_1 * thumb_epb_5),
+        thumb_epb_9,
+        thumb_cmc_33,
+    );
+    let thumb_cmc_35 = neg_mul_add(
+        thumb_apl_12 * mul_sub(thumb_apl_8, thumb_apl_4, thumb_apl_3 * thumb_apl_9),
+        thumb_apl_13,
+        thumb_cmc_34,
+    );
+    let thumb_cmc_36 = mul_add(
+        thumb_apb_10 * mul_add(thumb_apb_6, thumb_apb_3, thumb_apb_2 * thumb_apb_7),
+        thumb_apb_12,
+        thumb_cmc_35,
+    );
+    let thumb_cmc_37 = mul_add(
+        thumb_opp_10 * mul_add(thumb_opp_6, thumb_opp_3, thumb_opp_1 * thumb_opp_7),
+        thumb_opp_11,
+        thumb_cmc_36,
+    );
+    force[coordinate::THUMB_CMC] = mul_add(
+        thumb_adp_10 * mul_add(thumb_adp_6, thumb_adp_3, thumb_adp_2 * thumb_adp_7),
+        thumb_adp_12,
+        thumb_cmc_37,
+    );
+    let thumb_fpl_16 = mul_sub(
+        9.999999999999972e-6,
+        sin_thumb_mcp,
+        0.00021 * cos_thumb_mcp,
+    ) / thumb_fpl_13;
+    let thumb_epl_17 = mul_add(
+        0.00011549999999999999,
+>>>>>>> work-a
         sin_thumb_mcp,
         L::splat(5.17e-5) * cos_thumb_mcp,
     ) / thumb_epl_13;
+<<<<<<< HEAD
     let thumb_apb_15 = mul_add(
         L::splat(2.9599999999999994e-5),
         sin_thumb_mcp,
@@ -551,6 +908,43 @@ pub fn evaluate<L: Lane>(
         thumb_epl_16,
         thumb_epl_19,
         mul_add(thumb_fpl_16, thumb_fpl_18, thumb_ip_3),
+=======
+    let thumb_mcp_1 = neg_mul_add(
+        thumb_epl_17,
+        thumb_epb_9,
+        neg_mul_add(
+            thumb_epl_17,
+            thumb_epl_15,
+            neg_mul_add(thumb_fpl_16, thumb_fpl_15, thumb_cmc_30),
+        ),
+    );
+    let thumb_apb_13 = mul_add(
+        2.9599999999999994e-5,
+        sin_thumb_mcp,
+        9.72e-5 * cos_thumb_mcp,
+    ) / thumb_apb_11;
+    let thumb_adp_13 = mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp)
+        / thumb_adp_11;
+    force[coordinate::THUMB_MCP] = mul_add(
+        thumb_adp_13,
+        thumb_adp_12,
+        mul_add(thumb_apb_13, thumb_apb_12, thumb_mcp_1),
+    );
+    let thumb_fpl_17 = mul_add(
+        4.799999999999981e-6,
+        sin_thumb_ip,
+        0.00014879999999999998 * cos_thumb_ip,
+    ) / thumb_fpl_14;
+    let thumb_epl_18 = mul_add(
+        9.475e-5,
+        sin_thumb_ip,
+        4.6000000000000014e-5 * cos_thumb_ip,
+    ) / thumb_epl_14;
+    force[coordinate::THUMB_IP] = neg_mul_add(
+        thumb_epl_18,
+        thumb_epl_15,
+        mul_add(thumb_fpl_17, thumb_fpl_15, thumb_cmc_29),
+>>>>>>> work-a
     );
 }
 
@@ -562,6 +956,7 @@ pub fn evaluate<L: Lane>(
 ///
 /// Strands: `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
+<<<<<<< HEAD
 /// 1058 operations: 115 sums, 280 products, 316 products with sum, 14 divisions, 13 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
@@ -752,6 +1147,147 @@ pub fn evaluate_with_matrix<L: Lane>(
         L::splat(0.008000000000000004),
         sin_thumb_ab,
         L::splat(0.0029999999999999996) * cos_thumb_ab,
+=======
+/// 832 operations: 132 sums, 257 products, 206 products with sum, 14 divisions, 13 roots, 4 sines and cosines.
+pub fn evaluate_with_matrix(
+    q: &[f64; COORDINATES],
+    v: &[f64; COORDINATES],
+    h: f64,
+    rest: &[f64; STRANDS],
+    params: &[f64; PARAMETERS],
+    momentum: &mut [f64; COORDINATES],
+    force: &mut [f64; COORDINATES],
+    matrix: &mut [f64; MATRIX],
+) {
+    let q_thumb_ab = q[coordinate::THUMB_AB];
+    let q_thumb_cmc = q[coordinate::THUMB_CMC];
+    let q_thumb_mcp = q[coordinate::THUMB_MCP];
+    let q_thumb_ip = q[coordinate::THUMB_IP];
+    let v_thumb_ab = v[coordinate::THUMB_AB];
+    let v_thumb_cmc = v[coordinate::THUMB_CMC];
+    let v_thumb_mcp = v[coordinate::THUMB_MCP];
+    let v_thumb_ip = v[coordinate::THUMB_IP];
+    let k_flexor = params[parameter::K_FLEXOR];
+    let k_extensor = params[parameter::K_EXTENSOR];
+    let k_intrinsic = params[parameter::K_INTRINSIC];
+    let rest_thumb_fpl = rest[strand::THUMB_FPL];
+    let rest_thumb_epl = rest[strand::THUMB_EPL];
+    let rest_thumb_epb = rest[strand::THUMB_EPB];
+    let rest_thumb_apl = rest[strand::THUMB_APL];
+    let rest_thumb_apb = rest[strand::THUMB_APB];
+    let rest_thumb_opp = rest[strand::THUMB_OPP];
+    let rest_thumb_adp = rest[strand::THUMB_ADP];
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
+    let thumb_ab_1 = mul_add(
+        sin_thumb_cmc,
+        cos_thumb_mcp,
+        cos_thumb_cmc * sin_thumb_mcp,
+    );
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_ab_2 = mul_sub(
+        cos_thumb_cmc,
+        cos_thumb_mcp,
+        sin_thumb_cmc * sin_thumb_mcp,
+    );
+    let thumb_ab_3 = mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
+    let thumb_ab_4 = 6.59048003551084e-5 * thumb_ab_3;
+    let thumb_ab_5 = 0.0316 * thumb_ab_2;
+    let thumb_ab_6 = thumb_ab_5 * thumb_ab_4;
+    let thumb_ab_7 = 9.42724093757499e-6 * thumb_ab_1;
+    let thumb_ab_8 = neg_mul_add(thumb_ab_1, thumb_ab_7, 4.713620468787495e-6);
+    let thumb_ab_9 = 0.00036448271648406014 * thumb_ab_2;
+    let thumb_ab_10 = thumb_ab_9 + thumb_ab_4;
+    let thumb_ab_11 = 0.046200000000000005 * cos_thumb_cmc;
+    let thumb_ab_12 = 4.943365874069823e-5 * sin_thumb_cmc;
+    let thumb_ab_13 = neg_mul_add(sin_thumb_cmc, thumb_ab_12, 2.4716829370349116e-5);
+    let thumb_ab_14 = 3.180643293651146e-5
+        + mul_add(2.0, thumb_ab_11 * thumb_ab_10, thumb_ab_13)
+        + mul_add(2.0, thumb_ab_6, thumb_ab_8);
+    let thumb_ab_15 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
+    let thumb_ab_16 = 8.304207317248589e-7 * thumb_ab_15;
+    let thumb_ab_17 = neg_mul_add(thumb_ab_15, thumb_ab_16, 4.1521036586242944e-7);
+    let thumb_ab_18 = thumb_ab_17 + thumb_ab_14;
+    momentum[coordinate::THUMB_AB] = v_thumb_ab * thumb_ab_18;
+    let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
+    let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
+    let thumb_cmc_3 = thumb_cmc_2 * thumb_ab_4;
+    let thumb_cmc_4 = 6.59048003551084e-5 * thumb_ab_15;
+    let thumb_cmc_5 = thumb_cmc_2 * thumb_cmc_4;
+    let thumb_cmc_6 = 0.0316 * thumb_ab_1;
+    let thumb_cmc_7 = v_thumb_cmc * thumb_ab_11;
+    let thumb_cmc_8 = 0.00036448271648406014 * thumb_ab_1;
+    let thumb_cmc_9 = 0.046200000000000005 * sin_thumb_cmc;
+    let thumb_cmc_10 = v_thumb_cmc * thumb_cmc_9;
+    let thumb_cmc_11 = mul_add(thumb_cmc_6, thumb_cmc_5, thumb_ab_5 * thumb_cmc_3)
+        + mul_add(thumb_cmc_10, thumb_cmc_8, thumb_cmc_7 * thumb_ab_9);
+    let thumb_cmc_12 = thumb_cmc_1 * thumb_ab_5;
+    let thumb_cmc_13 = thumb_cmc_7 + thumb_cmc_12;
+    let thumb_cmc_14 = thumb_cmc_1 * thumb_cmc_6;
+    let thumb_cmc_15 = thumb_cmc_10 + thumb_cmc_14;
+    let thumb_cmc_16 = mul_add(
+        1.0764248252162773e-6,
+        thumb_cmc_2,
+        mul_add(thumb_cmc_15, thumb_cmc_4, thumb_cmc_13 * thumb_ab_4),
+    );
+    let thumb_cmc_17 = thumb_cmc_16
+        + mul_add(9.973249740768897e-6, thumb_cmc_1, thumb_cmc_11);
+    let thumb_cmc_18 = thumb_cmc_1 * thumb_ab_9;
+    let thumb_cmc_19 = thumb_cmc_18 + thumb_cmc_3;
+    let thumb_cmc_20 = thumb_cmc_1 * thumb_cmc_8;
+    let thumb_cmc_21 = thumb_cmc_20 + thumb_cmc_5;
+    let thumb_cmc_22 = mul_add(
+        5.060241857552533e-5,
+        v_thumb_cmc,
+        mul_add(thumb_cmc_9, thumb_cmc_21, thumb_ab_11 * thumb_cmc_19),
+    );
+    momentum[coordinate::THUMB_CMC] = thumb_cmc_17 + thumb_cmc_22;
+    momentum[coordinate::THUMB_MCP] = thumb_cmc_17;
+    momentum[coordinate::THUMB_IP] = thumb_cmc_16;
+    let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
+    let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
+    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
+    let thumb_epl_2 = 0.004 * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2);
+    let thumb_epl_4 = thumb_epl_3 + thumb_epl_1;
+    let thumb_epl_5 = 0.004 * sin_thumb_ab;
+    let thumb_epl_6 = neg_mul_add(0.008, cos_thumb_ab, thumb_epl_5);
+    let thumb_epl_7 = -0.008 - thumb_epl_6;
+    let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
+    let thumb_epl_8 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_9 = -0.012 + thumb_epl_8;
+    let thumb_epl_10 = mul_add(
+        thumb_epl_9,
+        thumb_epl_9,
+        mul_add(thumb_epl_4, thumb_epl_4, thumb_epl_7 * thumb_epl_7),
+    );
+    let thumb_epl_11 = sqrt(thumb_epl_10);
+    let thumb_epl_12 = 1.0 / thumb_epl_11;
+    let thumb_epl_13 = thumb_epl_12
+        * mul_add(thumb_epl_3, thumb_epl_7, thumb_epl_6 * thumb_epl_4);
+    let thumb_epl_14 = mul_sub(
+        0.00023099999999999998,
+        cos_thumb_mcp,
+        0.0001034 * sin_thumb_mcp,
+    );
+    let thumb_epl_15 = sqrt(0.00025309000000000003 - thumb_epl_14);
+    let thumb_epl_16 = mul_sub(
+        0.0001895,
+        cos_thumb_ip,
+        9.200000000000003e-5 * sin_thumb_ip,
+    );
+    let thumb_epl_17 = sqrt(0.00021066000000000002 - thumb_epl_16);
+    let thumb_epl_18 = k_extensor
+        * (0.10924140044546013 + thumb_epl_11 + thumb_epl_15 + thumb_epl_17
+            - rest_thumb_epl);
+    let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
+    let thumb_fpl_4 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab);
+    let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
+    let thumb_fpl_6 = neg_mul_add(
+        0.003,
+        cos_thumb_ab,
+        0.008000000000000002 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_fpl_5 = L::splat(-0.002) - thumb_fpl_4;
     let thumb_fpl_6 = index_fdp_1 + index_fdp_2;
@@ -761,6 +1297,7 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_fpl_7,
         mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_5 * thumb_fpl_5),
     );
+<<<<<<< HEAD
     let thumb_fpl_9 = sqrt(thumb_fpl_8);
     let thumb_fpl_10 = L::splat(1.0) / thumb_fpl_9;
     let thumb_fpl_11 = thumb_fpl_3 * thumb_fpl_10;
@@ -814,16 +1351,62 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_epb_11,
         thumb_epb_10,
         mul_add(thumb_fpl_13, thumb_fpl_18, thumb_epl_18 * thumb_epl_13),
+=======
+    let thumb_fpl_11 = sqrt(thumb_fpl_10);
+    let thumb_fpl_12 = 1.0 / thumb_fpl_11;
+    let thumb_fpl_13 = thumb_fpl_12
+        * mul_add(thumb_fpl_4, thumb_fpl_7, thumb_fpl_6 * thumb_fpl_5);
+    let thumb_fpl_14 = mul_add(
+        1.9999999999999944e-5,
+        cos_thumb_mcp,
+        0.00042 * sin_thumb_mcp,
+    );
+    let thumb_fpl_15 = sqrt(0.00042100000000000004 - thumb_fpl_14);
+    let thumb_fpl_16 = neg_mul_add(
+        9.599999999999962e-6,
+        cos_thumb_ip,
+        0.00029759999999999997 * sin_thumb_ip,
+    );
+    let thumb_fpl_17 = sqrt(0.00030115999999999997 - thumb_fpl_16);
+    let thumb_fpl_18 = k_flexor
+        * (0.0774786774042295 + thumb_fpl_11 + thumb_fpl_15 + thumb_fpl_17
+            - rest_thumb_fpl);
+    let thumb_epb_1 = mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
+    let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
+    let thumb_epb_3 = mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_5);
+    let thumb_epb_4 = 0.005 - thumb_epb_3;
+    let thumb_epb_5 = -0.012000000000000004 + thumb_epl_8;
+    let thumb_epb_6 = mul_add(
+        thumb_epb_5,
+        thumb_epb_5,
+        mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
+    );
+    let thumb_epb_7 = sqrt(thumb_epb_6);
+    let thumb_epb_8 = 1.0 / thumb_epb_7;
+    let thumb_epb_9 = thumb_epb_8
+        * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2);
+    let thumb_epb_10 = k_intrinsic
+        * (thumb_epl_15 + (0.07536380062479958 + thumb_epb_7) - rest_thumb_epb);
+    let thumb_ab_19 = neg_mul_add(
+        thumb_epb_9,
+        thumb_epb_10,
+        mul_add(thumb_fpl_13, thumb_fpl_18, thumb_epl_13 * thumb_epl_18),
+>>>>>>> work-a
     );
     let thumb_apl_1 = neg_mul_add(
         L::splat(0.007000000000000001),
         cos_thumb_ab,
+<<<<<<< HEAD
         L::splat(0.012000000000000004) * sin_thumb_ab,
+=======
+        0.012000000000000002 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
+<<<<<<< HEAD
         L::splat(0.007000000000000001),
         sin_thumb_ab,
         L::splat(0.012000000000000004) * cos_thumb_ab,
@@ -832,12 +1415,23 @@ pub fn evaluate_with_matrix<L: Lane>(
     let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
     let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
+=======
+        0.012000000000000002,
+        cos_thumb_ab,
+        0.007000000000000001 * sin_thumb_ab,
+    );
+    let thumb_apl_6 = 0.012 - thumb_apl_5;
+    let thumb_apl_7 = 0.006 * sin_thumb_cmc;
+    let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
+    let thumb_apl_9 = -0.005000000000000003 + thumb_apl_8;
+>>>>>>> work-a
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
     let thumb_apl_11 = sqrt(thumb_apl_10);
+<<<<<<< HEAD
     let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
     let thumb_apl_13 = thumb_apl_4 * thumb_apl_12;
     let thumb_apl_14 = thumb_apl_6 * thumb_apl_12;
@@ -848,18 +1442,30 @@ pub fn evaluate_with_matrix<L: Lane>(
     );
     let thumb_apl_16 = c_0
         * (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl);
+=======
+    let thumb_apl_12 = 1.0 / thumb_apl_11;
+    let thumb_apl_13 = thumb_apl_12
+        * mul_sub(thumb_apl_1, thumb_apl_6, thumb_apl_5 * thumb_apl_4);
+    let thumb_apl_14 = k_intrinsic
+        * (0.030550892117392127 + thumb_apl_11 - rest_thumb_apl);
+>>>>>>> work-a
     let thumb_apb_1 = neg_mul_add(
         L::splat(0.00874910502142235),
         cos_thumb_ab,
+<<<<<<< HEAD
         L::splat(0.003271760106466037) * sin_thumb_ab,
     );
     let thumb_apb_2 = neg_mul_add(
         L::splat(0.007),
         sin_thumb_cmc,
         L::splat(0.03) * cos_thumb_cmc,
+=======
+        0.003271760106466038 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
+<<<<<<< HEAD
         L::splat(0.00874910502142235),
         sin_thumb_ab,
         L::splat(0.003271760106466037) * cos_thumb_ab,
@@ -871,12 +1477,22 @@ pub fn evaluate_with_matrix<L: Lane>(
         L::splat(0.007) * cos_thumb_cmc,
     );
     let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
+=======
+        0.003271760106466038,
+        cos_thumb_ab,
+        0.00874910502142235 * sin_thumb_ab,
+    );
+    let thumb_apb_5 = 0.009 - thumb_apb_4;
+    let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
+    let thumb_apb_7 = 0.013294688681193689 - thumb_apb_6;
+>>>>>>> work-a
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
         mul_add(thumb_apb_5, thumb_apb_5, thumb_apb_3 * thumb_apb_3),
     );
     let thumb_apb_9 = sqrt(thumb_apb_8);
+<<<<<<< HEAD
     let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
     let thumb_apb_11 = thumb_apb_3 * thumb_apb_10;
     let thumb_apb_12 = thumb_apb_5 * thumb_apb_10;
@@ -908,6 +1524,28 @@ pub fn evaluate_with_matrix<L: Lane>(
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
         L::splat(0.00046527292621430325),
+=======
+    let thumb_apb_10 = 1.0 / thumb_apb_9;
+    let thumb_apb_11 = thumb_apb_10
+        * mul_sub(thumb_apb_1, thumb_apb_5, thumb_apb_4 * thumb_apb_3);
+    let thumb_apb_12 = neg_mul_add(
+        5.919999999999999e-5,
+        cos_thumb_mcp,
+        0.0001944 * sin_thumb_mcp,
+    );
+    let thumb_apb_13 = sqrt(0.00020423999999999998 - thumb_apb_12);
+    let thumb_apb_14 = k_intrinsic
+        * (0.008062257748298557 + thumb_apb_9 + thumb_apb_13 - rest_thumb_apb);
+    let thumb_opp_1 = mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
+    let thumb_opp_2 = mul_add(
+        0.009538977305795334,
+        cos_thumb_ab,
+        0.0004652729262143015 * sin_thumb_ab,
+    );
+    let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
+    let thumb_opp_4 = neg_mul_add(
+        0.0004652729262143015,
+>>>>>>> work-a
         cos_thumb_ab,
         L::splat(0.009538977305795334) * sin_thumb_ab,
     );
@@ -924,6 +1562,7 @@ pub fn evaluate_with_matrix<L: Lane>(
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
     let thumb_opp_9 = sqrt(thumb_opp_8);
+<<<<<<< HEAD
     let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
     let thumb_opp_11 = thumb_opp_3 * thumb_opp_10;
     let thumb_opp_12 = thumb_opp_5 * thumb_opp_10;
@@ -947,9 +1586,29 @@ pub fn evaluate_with_matrix<L: Lane>(
         L::splat(0.038000000000000006),
         cos_thumb_cmc,
         thumb_apl_7,
+=======
+    let thumb_opp_10 = 1.0 / thumb_opp_9;
+    let thumb_opp_11 = thumb_opp_10
+        * mul_add(thumb_opp_2, thumb_opp_5, thumb_opp_4 * thumb_opp_3);
+    let thumb_opp_12 = k_intrinsic * (thumb_opp_9 - rest_thumb_opp);
+    let thumb_ab_20 = mul_add(
+        thumb_opp_11,
+        thumb_opp_12,
+        neg_mul_add(
+            thumb_apb_11,
+            thumb_apb_14,
+            neg_mul_add(thumb_apl_13, thumb_apl_14, thumb_ab_19),
+        ),
+    );
+    let thumb_adp_1 = mul_sub(
+        0.025486067515228545,
+        cos_thumb_ab,
+        0.029821276684971587 * sin_thumb_ab,
+>>>>>>> work-a
     );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
+<<<<<<< HEAD
         L::splat(0.025486067515228545),
         sin_thumb_ab,
         L::splat(0.029821276684971594) * cos_thumb_ab,
@@ -961,12 +1620,22 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_apl_2,
     );
     let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
+=======
+        0.029821276684971587,
+        cos_thumb_ab,
+        0.025486067515228545 * sin_thumb_ab,
+    );
+    let thumb_adp_5 = -0.009 + thumb_adp_4;
+    let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
+    let thumb_adp_7 = 0.040658969729785124 - thumb_adp_6;
+>>>>>>> work-a
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
     let thumb_adp_9 = sqrt(thumb_adp_8);
+<<<<<<< HEAD
     let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
     let thumb_adp_11 = thumb_adp_3 * thumb_adp_10;
     let thumb_adp_12 = thumb_adp_5 * thumb_adp_10;
@@ -1181,12 +1850,183 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_apb_13,
         thumb_apb_13,
         mul_add(thumb_apb_4, thumb_apb_4, thumb_apb_1 * thumb_apb_1),
+=======
+    let thumb_adp_10 = 1.0 / thumb_adp_9;
+    let thumb_adp_11 = thumb_adp_10
+        * mul_add(thumb_adp_1, thumb_adp_5, thumb_adp_4 * thumb_adp_3);
+    let thumb_adp_12 = neg_mul_add(7.12e-5, cos_thumb_mcp, 0.000178 * sin_thumb_mcp);
+    let thumb_adp_13 = sqrt(0.00019224000000000004 - thumb_adp_12);
+    let thumb_adp_14 = k_intrinsic * (thumb_adp_9 + thumb_adp_13 - rest_thumb_adp);
+    force[coordinate::THUMB_AB] = neg_mul_add(thumb_adp_11, thumb_adp_14, thumb_ab_20);
+    let thumb_cmc_23 = v_thumb_ab * thumb_ab_4;
+    let thumb_cmc_24 = v_thumb_ab * thumb_cmc_6;
+    let thumb_cmc_25 = neg_mul_add(
+        thumb_cmc_24,
+        thumb_cmc_23,
+        neg_mul_add(thumb_cmc_14, thumb_cmc_3, thumb_cmc_12 * thumb_cmc_5),
     );
+    let thumb_cmc_26 = v_thumb_ab * thumb_cmc_8;
+    let thumb_cmc_27 = v_thumb_ab * thumb_ab_11;
+    let thumb_cmc_28 = neg_mul_add(
+        thumb_cmc_27,
+        thumb_cmc_26,
+        neg_mul_add(thumb_cmc_7, thumb_cmc_20, thumb_cmc_10 * thumb_cmc_18),
+    );
+    let thumb_cmc_29 = thumb_ab_2 * thumb_ab_7;
+    let thumb_cmc_30 = v_thumb_ab * v_thumb_ab;
+    let thumb_cmc_31 = v_thumb_ab * thumb_cmc_4;
+    let thumb_cmc_32 = v_thumb_ab * thumb_ab_5;
+    let thumb_cmc_33 = thumb_cmc_27 + thumb_cmc_32;
+    let thumb_cmc_34 = neg_mul_add(
+        thumb_cmc_33,
+        thumb_cmc_31,
+        neg_mul_add(thumb_cmc_13, thumb_cmc_5, thumb_cmc_15 * thumb_cmc_3),
+    );
+    let thumb_cmc_35 = thumb_ab_3 * thumb_ab_16;
+    let thumb_cmc_36 = neg_mul_add(thumb_cmc_35, thumb_cmc_30, thumb_cmc_34);
+    let thumb_cmc_37 = thumb_cmc_36
+        + neg_mul_add(thumb_cmc_29, thumb_cmc_30, thumb_cmc_25 + thumb_cmc_28);
+    let thumb_cmc_38 = v_thumb_ab * thumb_ab_9;
+    let thumb_cmc_39 = thumb_cmc_38 + thumb_cmc_23;
+    let thumb_cmc_40 = v_thumb_ab * thumb_cmc_9;
+    let thumb_cmc_41 = neg_mul_add(
+        thumb_cmc_40,
+        thumb_cmc_39,
+        neg_mul_add(thumb_cmc_10, thumb_cmc_19, thumb_cmc_7 * thumb_cmc_21),
+    );
+    let thumb_cmc_42 = cos_thumb_cmc * thumb_ab_12;
+    let thumb_fpl_19 = thumb_fpl_12
+        * mul_add(thumb_fpl_8, thumb_fpl_5, thumb_fpl_3 * thumb_fpl_9);
+    let thumb_cmc_43 = mul_add(
+        thumb_fpl_19,
+        thumb_fpl_18,
+        thumb_cmc_37 + neg_mul_add(thumb_cmc_42, thumb_cmc_30, thumb_cmc_41),
+    );
+    let thumb_epl_19 = thumb_epl_12
+        * mul_sub(thumb_epl_8, thumb_epl_4, thumb_epl_1 * thumb_epl_9);
+    let thumb_epb_11 = thumb_epb_8
+        * mul_sub(thumb_epl_8, thumb_epb_2, thumb_epl_1 * thumb_epb_5);
+    let thumb_apl_15 = thumb_apl_12
+        * mul_sub(thumb_apl_8, thumb_apl_4, thumb_apl_3 * thumb_apl_9);
+    let thumb_cmc_44 = neg_mul_add(
+        thumb_apl_15,
+        thumb_apl_14,
+        neg_mul_add(
+            thumb_epb_11,
+            thumb_epb_10,
+            neg_mul_add(thumb_epl_19, thumb_epl_18, thumb_cmc_43),
+        ),
+    );
+    let thumb_apb_15 = thumb_apb_10
+        * mul_add(thumb_apb_6, thumb_apb_3, thumb_apb_2 * thumb_apb_7);
+    let thumb_opp_13 = thumb_opp_10
+        * mul_add(thumb_opp_6, thumb_opp_3, thumb_opp_1 * thumb_opp_7);
+    let thumb_adp_15 = thumb_adp_10
+        * mul_add(thumb_adp_6, thumb_adp_3, thumb_adp_2 * thumb_adp_7);
+    force[coordinate::THUMB_CMC] = mul_add(
+        thumb_adp_15,
+        thumb_adp_14,
+        mul_add(
+            thumb_opp_13,
+            thumb_opp_12,
+            mul_add(thumb_apb_15, thumb_apb_14, thumb_cmc_44),
+        ),
+    );
+    let thumb_fpl_20 = 1.0 / thumb_fpl_15;
+    let thumb_fpl_21 = thumb_fpl_20
+        * mul_sub(9.999999999999972e-6, sin_thumb_mcp, 0.00021 * cos_thumb_mcp);
+    let thumb_epl_20 = 1.0 / thumb_epl_15;
+    let thumb_epl_21 = thumb_epl_20
+        * mul_add(0.00011549999999999999, sin_thumb_mcp, 5.17e-5 * cos_thumb_mcp);
+    let thumb_mcp_1 = neg_mul_add(
+        thumb_epl_21,
+        thumb_epb_10,
+        neg_mul_add(
+            thumb_epl_21,
+            thumb_epl_18,
+            neg_mul_add(thumb_fpl_21, thumb_fpl_18, thumb_cmc_37),
+        ),
+    );
+    let thumb_apb_16 = 1.0 / thumb_apb_13;
+    let thumb_apb_17 = thumb_apb_16
+        * mul_add(2.9599999999999994e-5, sin_thumb_mcp, 9.72e-5 * cos_thumb_mcp);
+    let thumb_adp_16 = 1.0 / thumb_adp_13;
+    let thumb_adp_17 = thumb_adp_16
+        * mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp);
+    force[coordinate::THUMB_MCP] = mul_add(
+        thumb_adp_17,
+        thumb_adp_14,
+        mul_add(thumb_apb_17, thumb_apb_14, thumb_mcp_1),
+    );
+    let thumb_fpl_22 = 1.0 / thumb_fpl_17;
+    let thumb_fpl_23 = thumb_fpl_22
+        * mul_add(
+            4.799999999999981e-6,
+            sin_thumb_ip,
+            0.00014879999999999998 * cos_thumb_ip,
+        );
+    let thumb_epl_22 = 1.0 / thumb_epl_17;
+    let thumb_epl_23 = thumb_epl_22
+        * mul_add(9.475e-5, sin_thumb_ip, 4.6000000000000014e-5 * cos_thumb_ip);
+    force[coordinate::THUMB_IP] = neg_mul_add(
+        thumb_epl_23,
+        thumb_epl_18,
+        mul_add(thumb_fpl_23, thumb_fpl_18, thumb_cmc_36),
+    );
+    let index_fdp_1 = 0.25 * h;
+    let thumb_fpl_24 = index_fdp_1 * thumb_fpl_18;
+    let thumb_fpl_25 = thumb_fpl_12 * thumb_fpl_24;
+    let index_fdp_2 = k_flexor * index_fdp_1;
+    let thumb_fpl_26 = index_fdp_2 - thumb_fpl_25;
+    let thumb_fpl_27 = thumb_fpl_4 * thumb_fpl_3;
+    let thumb_fpl_28 = mul_sub(
+        thumb_fpl_13,
+        thumb_fpl_13 * thumb_fpl_26,
+        mul_add(0.002, thumb_fpl_6, thumb_fpl_27) * thumb_fpl_25,
+    );
+    let thumb_ab_21 = 1.0 / h;
+    let thumb_epl_24 = index_fdp_1 * thumb_epl_18;
+    let thumb_epl_25 = thumb_epl_12 * thumb_epl_24;
+    let index_edc_1 = k_extensor * index_fdp_1;
+    let thumb_epl_26 = index_edc_1 - thumb_epl_25;
+    let thumb_epl_27 = thumb_epl_3 * thumb_epl_1;
+    let thumb_epl_28 = mul_sub(
+        thumb_epl_13,
+        thumb_epl_13 * thumb_epl_26,
+        mul_add(0.008, thumb_epl_6, thumb_epl_27) * thumb_epl_25,
+    );
+    let thumb_epb_12 = index_fdp_1 * thumb_epb_10;
+    let thumb_epb_13 = thumb_epb_8 * thumb_epb_12;
+    let index_interosseous_1 = k_intrinsic * index_fdp_1;
+    let thumb_epb_14 = index_interosseous_1 - thumb_epb_13;
+    let thumb_epb_15 = thumb_epl_1 * thumb_epb_1;
+    let thumb_epb_16 = mul_add(
+        thumb_epb_9,
+        thumb_epb_9 * thumb_epb_14,
+        mul_add(0.005, thumb_epb_3, thumb_epb_15) * thumb_epb_13,
+    );
+    let thumb_apl_16 = thumb_apl_12 * (index_fdp_1 * thumb_apl_14);
+    let thumb_apl_17 = index_interosseous_1 - thumb_apl_16;
+    let thumb_apl_18 = thumb_apl_1 * thumb_apl_3;
+    let thumb_apl_19 = mul_add(
+        thumb_apl_13,
+        thumb_apl_13 * thumb_apl_17,
+        mul_add(0.012, thumb_apl_5, thumb_apl_18) * thumb_apl_16,
+>>>>>>> work-a
+    );
+    let thumb_ab_22 = thumb_apl_19
+        + (thumb_epb_16
+            + (thumb_epl_28 + mul_add(thumb_ab_21, thumb_ab_18, thumb_fpl_28)));
+    let thumb_apb_18 = index_fdp_1 * thumb_apb_14;
+    let thumb_apb_19 = thumb_apb_10 * thumb_apb_18;
+    let thumb_apb_20 = index_interosseous_1 - thumb_apb_19;
+    let thumb_apb_21 = thumb_apb_1 * thumb_apb_2;
     let thumb_apb_22 = mul_add(
-        thumb_apb_10,
-        thumb_apb_21,
-        mul_add(thumb_apb_1, thumb_apb_11, thumb_apb_4 * thumb_apb_12),
+        thumb_apb_11,
+        thumb_apb_11 * thumb_apb_20,
+        mul_add(0.009, thumb_apb_4, thumb_apb_21) * thumb_apb_19,
     );
+<<<<<<< HEAD
     let thumb_apb_23 = index_fdp_3 * thumb_apb_16;
     let thumb_ab_47 = thumb_ab_46
         - mul_add(
@@ -1215,8 +2055,22 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_adp_13,
         thumb_adp_13,
         mul_add(thumb_adp_4, thumb_adp_4, thumb_adp_1 * thumb_adp_1),
+=======
+    let thumb_opp_14 = thumb_opp_10 * (index_fdp_1 * thumb_opp_12);
+    let thumb_opp_15 = index_interosseous_1 - thumb_opp_14;
+    let thumb_opp_16 = thumb_opp_2 * thumb_opp_1;
+    let thumb_opp_17 = mul_add(
+        thumb_opp_11,
+        thumb_opp_11 * thumb_opp_15,
+        mul_sub(0.004, thumb_opp_4, thumb_opp_16) * thumb_opp_14,
+>>>>>>> work-a
     );
+    let thumb_adp_18 = index_fdp_1 * thumb_adp_14;
+    let thumb_adp_19 = thumb_adp_10 * thumb_adp_18;
+    let thumb_adp_20 = index_interosseous_1 - thumb_adp_19;
+    let thumb_adp_21 = thumb_adp_1 * thumb_adp_2;
     let thumb_adp_22 = mul_add(
+<<<<<<< HEAD
         thumb_adp_10,
         thumb_adp_21,
         neg_mul_add(thumb_adp_4, thumb_adp_12, thumb_adp_1 * thumb_adp_11),
@@ -1618,6 +2472,276 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_epl_24 * thumb_epl_32,
     );
     matrix[15] = thumb_ip_7 - thumb_cmc_23 - thumb_ip_8 - thumb_fpl_36 - thumb_epl_36;
+=======
+        thumb_adp_11,
+        thumb_adp_11 * thumb_adp_20,
+        mul_add(0.009, thumb_adp_4, thumb_adp_21) * thumb_adp_19,
+    );
+    matrix[64] = -(thumb_adp_22 + (thumb_opp_17 + (thumb_apb_22 + thumb_ab_22)));
+    let thumb_fpl_29 = thumb_fpl_19 * thumb_fpl_26;
+    let thumb_epl_29 = thumb_epl_19 * thumb_epl_26;
+    let thumb_ab_23 = mul_add(
+        thumb_epl_13,
+        thumb_epl_29,
+        thumb_epl_6 * thumb_epl_8 * thumb_epl_25,
+    ) - mul_add(thumb_fpl_13, thumb_fpl_29, thumb_fpl_6 * thumb_fpl_8 * thumb_fpl_25);
+    let thumb_epb_17 = thumb_epb_11 * thumb_epb_14;
+    let thumb_ab_24 = thumb_ab_23
+        - mul_sub(thumb_epb_9, thumb_epb_17, thumb_epl_8 * thumb_epb_3 * thumb_epb_13);
+    let thumb_apl_20 = thumb_apl_15 * thumb_apl_17;
+    let thumb_ab_25 = thumb_ab_24
+        - mul_sub(thumb_apl_13, thumb_apl_20, thumb_apl_5 * thumb_apl_8 * thumb_apl_16);
+    let thumb_apb_23 = thumb_apb_15 * thumb_apb_20;
+    let thumb_ab_26 = thumb_ab_25
+        - neg_mul_add(
+            thumb_apb_11,
+            thumb_apb_23,
+            thumb_apb_4 * thumb_apb_6 * thumb_apb_19,
+        );
+    let thumb_opp_18 = thumb_opp_13 * thumb_opp_15;
+    let thumb_ab_27 = thumb_ab_26
+        - mul_add(thumb_opp_11, thumb_opp_18, thumb_opp_4 * thumb_opp_6 * thumb_opp_14);
+    let thumb_adp_23 = thumb_adp_15 * thumb_adp_20;
+    let thumb_ab_28 = mul_add(
+        thumb_adp_11,
+        thumb_adp_23,
+        thumb_adp_4 * thumb_adp_6 * thumb_adp_19,
+    ) + thumb_ab_27;
+    let thumb_ab_29 = 2.0 * v_thumb_ab;
+    let thumb_ab_30 = mul_add(
+        thumb_cmc_35,
+        thumb_ab_29,
+        mul_add(thumb_ab_11 + thumb_ab_5, thumb_cmc_31, thumb_cmc_33 * thumb_cmc_4),
+    );
+    let thumb_ab_31 = 0.5 * thumb_ab_30;
+    let thumb_ab_32 = mul_add(
+        thumb_cmc_6,
+        thumb_cmc_23,
+        mul_add(thumb_cmc_24, thumb_ab_4, thumb_ab_11 * thumb_cmc_26),
+    );
+    let thumb_ab_33 = mul_add(
+        0.5,
+        mul_add(
+            thumb_cmc_29,
+            thumb_ab_29,
+            mul_add(thumb_cmc_27, thumb_cmc_8, thumb_ab_32),
+        ),
+        thumb_ab_31,
+    );
+    let thumb_ab_34 = mul_add(
+        thumb_cmc_42,
+        thumb_ab_29,
+        mul_add(thumb_cmc_40, thumb_ab_10, thumb_cmc_9 * thumb_cmc_39),
+    );
+    let thumb_ab_35 = mul_add(0.5, thumb_ab_34, thumb_ab_33);
+    matrix[65] = thumb_ab_35 + thumb_ab_28;
+    let thumb_epl_30 = index_edc_1 * thumb_epl_21;
+    let thumb_fpl_30 = index_fdp_2 * thumb_fpl_21;
+    let thumb_epb_18 = index_interosseous_1 * thumb_epl_21;
+    let thumb_ab_36 = neg_mul_add(
+        thumb_epb_9,
+        thumb_epb_18,
+        mul_add(thumb_fpl_13, thumb_fpl_30, thumb_epl_13 * thumb_epl_30),
+    );
+    let thumb_apb_24 = index_interosseous_1 * thumb_apb_17;
+    let thumb_adp_24 = index_interosseous_1 * thumb_adp_17;
+    let thumb_ab_37 = mul_add(
+        thumb_adp_11,
+        thumb_adp_24,
+        mul_add(thumb_apb_11, thumb_apb_24, thumb_ab_36),
+    );
+    matrix[66] = thumb_ab_33 + thumb_ab_37;
+    let thumb_fpl_31 = index_fdp_2 * thumb_fpl_23;
+    let thumb_epl_31 = index_edc_1 * thumb_epl_23;
+    let thumb_ab_38 = neg_mul_add(
+        thumb_fpl_13,
+        thumb_fpl_31,
+        thumb_epl_13 * thumb_epl_31,
+    );
+    matrix[67] = thumb_ab_31 + thumb_ab_38;
+    matrix[68] = thumb_ab_28 - thumb_ab_35;
+    let thumb_cmc_45 = mul_add(thumb_cmc_12, thumb_cmc_3, thumb_cmc_14 * thumb_cmc_5);
+    let thumb_cmc_46 = 2.0 * thumb_cmc_30;
+    let thumb_cmc_47 = mul_add(thumb_cmc_10, thumb_cmc_20, thumb_cmc_7 * thumb_cmc_18);
+    let thumb_cmc_48 = mul_add(
+        thumb_ab_8,
+        thumb_cmc_46,
+        mul_add(thumb_cmc_32, thumb_cmc_23, thumb_cmc_45),
+    ) + mul_add(thumb_cmc_27, thumb_cmc_38, thumb_cmc_47);
+    let thumb_cmc_49 = mul_sub(
+        index_fdp_1,
+        mul_add(thumb_cmc_24, thumb_cmc_31, thumb_cmc_45),
+        thumb_ab_21 * mul_add(thumb_cmc_6, thumb_cmc_4, thumb_ab_6),
+    );
+    let thumb_cmc_50 = mul_add(
+        thumb_cmc_33,
+        thumb_cmc_23,
+        mul_add(thumb_cmc_13, thumb_cmc_3, thumb_cmc_15 * thumb_cmc_5),
+    );
+    let thumb_cmc_51 = mul_add(
+        index_fdp_1,
+        mul_add(thumb_ab_17, thumb_cmc_46, thumb_cmc_50),
+        1.0764248252162773e-6 * thumb_ab_21,
+    );
+    let thumb_cmc_52 = thumb_cmc_49 - thumb_cmc_51;
+    let thumb_cmc_53 = thumb_cmc_49
+        - mul_add(index_fdp_1, thumb_cmc_48, 9.973249740768897e-6 * thumb_ab_21)
+        + thumb_cmc_52;
+    let thumb_cmc_54 = mul_add(
+        thumb_cmc_40,
+        thumb_cmc_31,
+        mul_add(thumb_cmc_10, thumb_cmc_5, thumb_cmc_7 * thumb_cmc_3),
+    );
+    let thumb_cmc_55 = mul_sub(
+        index_fdp_1,
+        thumb_cmc_54,
+        thumb_ab_21 * mul_add(thumb_cmc_9, thumb_cmc_4, thumb_ab_11 * thumb_ab_4),
+    );
+    let thumb_cmc_56 = mul_sub(
+        index_fdp_1,
+        mul_add(thumb_cmc_40, thumb_cmc_26, thumb_cmc_47),
+        thumb_ab_21 * mul_add(thumb_cmc_9, thumb_cmc_8, thumb_ab_11 * thumb_ab_9),
+    );
+    let thumb_cmc_57 = thumb_cmc_56 + thumb_cmc_55;
+    let thumb_cmc_58 = thumb_cmc_57 + thumb_cmc_53;
+    let thumb_cmc_59 = mul_add(
+        thumb_cmc_27,
+        thumb_cmc_39,
+        mul_add(thumb_cmc_7, thumb_cmc_19, thumb_cmc_10 * thumb_cmc_21),
+    );
+    let thumb_cmc_60 = mul_add(
+        index_fdp_1,
+        mul_add(thumb_ab_13, thumb_cmc_46, thumb_cmc_59),
+        5.060241857552533e-5 * thumb_ab_21,
+    );
+    let thumb_fpl_32 = mul_add(
+        thumb_fpl_19,
+        thumb_fpl_29,
+        mul_sub(0.012000000000000004, thumb_fpl_8, thumb_fpl_27) * thumb_fpl_25,
+    );
+    let thumb_epl_32 = mul_add(
+        thumb_epl_19,
+        thumb_epl_29,
+        mul_sub(0.012, thumb_epl_8, thumb_epl_27) * thumb_epl_25,
+    );
+    let thumb_epb_19 = mul_add(
+        thumb_epb_11,
+        thumb_epb_17,
+        mul_add(0.012000000000000004, thumb_epl_8, thumb_epb_15) * thumb_epb_13,
+    );
+    let thumb_cmc_61 = thumb_cmc_57 - thumb_cmc_60 + thumb_cmc_58 - thumb_fpl_32
+        - thumb_epl_32 - thumb_epb_19;
+    let thumb_apl_21 = mul_add(
+        thumb_apl_15,
+        thumb_apl_20,
+        mul_add(0.005000000000000003, thumb_apl_8, thumb_apl_18) * thumb_apl_16,
+    );
+    let thumb_apb_25 = mul_add(
+        thumb_apb_15,
+        thumb_apb_23,
+        mul_add(0.013294688681193689, thumb_apb_6, thumb_apb_21) * thumb_apb_19,
+    );
+    let thumb_opp_19 = mul_add(
+        thumb_opp_13,
+        thumb_opp_18,
+        mul_sub(0.01941111622405197, thumb_opp_6, thumb_opp_16) * thumb_opp_14,
+    );
+    let thumb_adp_25 = mul_add(
+        thumb_adp_15,
+        thumb_adp_23,
+        mul_add(0.040658969729785124, thumb_adp_6, thumb_adp_21) * thumb_adp_19,
+    );
+    matrix[69] = thumb_cmc_61 - thumb_apl_21 - thumb_apb_25 - thumb_opp_19
+        - thumb_adp_25;
+    let thumb_cmc_62 = neg_mul_add(
+        thumb_epb_11,
+        thumb_epb_18,
+        neg_mul_add(
+            thumb_epl_19,
+            thumb_epl_30,
+            mul_add(thumb_fpl_19, thumb_fpl_30, thumb_cmc_58),
+        ),
+    );
+    let thumb_cmc_63 = neg_mul_add(
+        thumb_adp_15,
+        thumb_adp_24,
+        neg_mul_add(thumb_apb_15, thumb_apb_24, thumb_cmc_62),
+    );
+    let thumb_cmc_64 = neg_mul_add(thumb_cmc_9, thumb_ab_4, thumb_ab_11 * thumb_cmc_4)
+        * (0.5 * (v_thumb_cmc + thumb_cmc_2));
+    let thumb_cmc_65 = mul_add(
+        neg_mul_add(thumb_cmc_9, thumb_ab_9, thumb_ab_11 * thumb_cmc_8),
+        0.5 * (v_thumb_cmc + thumb_cmc_1),
+        thumb_cmc_64,
+    );
+    matrix[70] = thumb_cmc_65 + thumb_cmc_63;
+    let thumb_cmc_66 = neg_mul_add(
+        thumb_epl_19,
+        thumb_epl_31,
+        neg_mul_add(thumb_fpl_19, thumb_fpl_31, thumb_cmc_55 + thumb_cmc_52),
+    );
+    let thumb_cmc_67 = neg_mul_add(thumb_cmc_6, thumb_ab_4, thumb_ab_5 * thumb_cmc_4)
+        * (0.5 * (thumb_cmc_1 + thumb_cmc_2));
+    let thumb_cmc_68 = thumb_cmc_64 + thumb_cmc_67;
+    matrix[71] = thumb_cmc_68 + thumb_cmc_66;
+    matrix[72] = thumb_ab_37 - thumb_ab_33;
+    matrix[73] = thumb_cmc_63 - thumb_cmc_65;
+    let thumb_fpl_33 = thumb_fpl_20 * thumb_fpl_24;
+    let thumb_fpl_34 = mul_add(
+        thumb_fpl_21,
+        thumb_fpl_21 * (index_fdp_2 - thumb_fpl_33),
+        0.5 * thumb_fpl_14 * thumb_fpl_33,
+    );
+    let thumb_epl_33 = thumb_epl_20 * thumb_epl_24;
+    let thumb_epl_34 = 0.5 * thumb_epl_14;
+    let thumb_epl_35 = mul_add(
+        thumb_epl_21,
+        thumb_epl_21 * (index_edc_1 - thumb_epl_33),
+        thumb_epl_34 * thumb_epl_33,
+    );
+    let thumb_epb_20 = thumb_epl_20 * thumb_epb_12;
+    let thumb_epb_21 = mul_add(
+        thumb_epl_21,
+        thumb_epl_21 * (index_interosseous_1 - thumb_epb_20),
+        thumb_epl_34 * thumb_epb_20,
+    );
+    let thumb_apb_26 = thumb_apb_16 * thumb_apb_18;
+    let thumb_apb_27 = mul_add(
+        thumb_apb_17,
+        thumb_apb_17 * (index_interosseous_1 - thumb_apb_26),
+        0.5 * thumb_apb_12 * thumb_apb_26,
+    );
+    let thumb_adp_26 = thumb_adp_16 * thumb_adp_18;
+    let thumb_adp_27 = mul_add(
+        thumb_adp_17,
+        thumb_adp_17 * (index_interosseous_1 - thumb_adp_26),
+        0.5 * thumb_adp_12 * thumb_adp_26,
+    );
+    matrix[74] = thumb_cmc_53 - thumb_fpl_34 - thumb_epl_35 - thumb_epb_21 - thumb_apb_27
+        - thumb_adp_27;
+    let thumb_mcp_2 = neg_mul_add(
+        thumb_epl_21,
+        thumb_epl_31,
+        mul_add(thumb_fpl_21, thumb_fpl_31, thumb_cmc_52),
+    );
+    matrix[75] = thumb_cmc_67 + thumb_mcp_2;
+    matrix[76] = thumb_ab_38 - thumb_ab_31;
+    matrix[77] = thumb_cmc_66 - thumb_cmc_68;
+    matrix[78] = thumb_mcp_2 - thumb_cmc_67;
+    let thumb_fpl_35 = thumb_fpl_22 * thumb_fpl_24;
+    let thumb_fpl_36 = mul_add(
+        thumb_fpl_23,
+        thumb_fpl_23 * (index_fdp_2 - thumb_fpl_35),
+        0.5 * thumb_fpl_16 * thumb_fpl_35,
+    );
+    let thumb_epl_36 = thumb_epl_22 * thumb_epl_24;
+    let thumb_epl_37 = mul_add(
+        thumb_epl_23,
+        thumb_epl_23 * (index_edc_1 - thumb_epl_36),
+        0.5 * thumb_epl_16 * thumb_epl_36,
+    );
+    matrix[79] = -(thumb_epl_37 + (thumb_fpl_36 + thumb_cmc_51));
+>>>>>>> work-a
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -1628,6 +2752,7 @@ pub fn evaluate_with_matrix<L: Lane>(
 ///
 /// Strands: `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
+<<<<<<< HEAD
 /// 91 operations: 15 sums, 21 products, 26 products with sum, 3 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 4], matrix: &mut [L; 16]) {
@@ -2020,4 +3145,71 @@ impl Shape<4, 16, 4, 7, 0> for Equations {
     fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 7]) {
         self::lengths(q, lengths);
     }
+=======
+/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
+pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
+    let q_thumb_cmc = q[coordinate::THUMB_CMC];
+    let q_thumb_mcp = q[coordinate::THUMB_MCP];
+    let q_thumb_ip = q[coordinate::THUMB_IP];
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
+    let thumb_ab_1 = mul_add(
+        sin_thumb_cmc,
+        cos_thumb_mcp,
+        cos_thumb_cmc * sin_thumb_mcp,
+    );
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_ab_2 = mul_sub(
+        cos_thumb_cmc,
+        cos_thumb_mcp,
+        sin_thumb_cmc * sin_thumb_mcp,
+    );
+    let thumb_ab_3 = 6.59048003551084e-5
+        * mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
+    let thumb_ab_4 = 0.0316 * thumb_ab_2 * thumb_ab_3;
+    let thumb_ab_5 = mul_add(
+        2.0,
+        thumb_ab_4,
+        neg_mul_add(thumb_ab_1, 9.42724093757499e-6 * thumb_ab_1, 4.713620468787495e-6),
+    );
+    let thumb_ab_6 = 0.00036448271648406014 * thumb_ab_2;
+    let thumb_ab_7 = 0.046200000000000005 * cos_thumb_cmc;
+    let thumb_ab_8 = mul_add(
+        2.0,
+        thumb_ab_7 * (thumb_ab_6 + thumb_ab_3),
+        neg_mul_add(
+            sin_thumb_cmc,
+            4.943365874069823e-5 * sin_thumb_cmc,
+            2.4716829370349116e-5,
+        ),
+    );
+    let thumb_ab_9 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
+    matrix[64] = neg_mul_add(
+        thumb_ab_9,
+        8.304207317248589e-7 * thumb_ab_9,
+        4.1521036586242944e-7,
+    ) + (3.180643293651146e-5 + thumb_ab_8 + thumb_ab_5);
+    let thumb_cmc_1 = 6.59048003551084e-5 * thumb_ab_9;
+    let thumb_cmc_2 = mul_add(0.0316 * thumb_ab_1, thumb_cmc_1, thumb_ab_4);
+    let thumb_cmc_3 = 1.0764248252162773e-6 + thumb_cmc_2;
+    let thumb_cmc_4 = 9.973249740768897e-6 + thumb_cmc_2 + thumb_cmc_3;
+    let thumb_cmc_5 = 0.046200000000000005 * sin_thumb_cmc;
+    let thumb_cmc_6 = mul_add(thumb_cmc_5, thumb_cmc_1, thumb_ab_7 * thumb_ab_3);
+    let thumb_cmc_7 = mul_add(
+        thumb_cmc_5,
+        0.00036448271648406014 * thumb_ab_1,
+        thumb_ab_7 * thumb_ab_6,
+    ) + thumb_cmc_6;
+    let thumb_cmc_8 = thumb_cmc_7 + thumb_cmc_4;
+    matrix[69] = 5.060241857552533e-5 + thumb_cmc_7 + thumb_cmc_8;
+    matrix[70] = thumb_cmc_8;
+    let thumb_cmc_9 = thumb_cmc_6 + thumb_cmc_3;
+    matrix[71] = thumb_cmc_9;
+    matrix[73] = thumb_cmc_8;
+    matrix[74] = thumb_cmc_4;
+    matrix[75] = thumb_cmc_3;
+    matrix[77] = thumb_cmc_9;
+    matrix[78] = thumb_cmc_3;
+    matrix[79] = 1.0764248252162773e-6;
+>>>>>>> work-a
 }

@@ -10,7 +10,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 
 /// Recorded columns.
 ///
-/// 106 operations: 15 sums, 19 products, 28 products with sum, 8 roots, 8 sines and cosines.
+/// 101 operations: 20 sums, 19 products, 23 products with sum, 8 roots, 8 sines and cosines.
 pub fn records(q: &[f64; COORDINATES], records: &mut [f64]) {
     let q_index_ab = q[coordinate::INDEX_AB];
     let q_index_mcp = q[coordinate::INDEX_MCP];
@@ -36,19 +36,20 @@ pub fn records(q: &[f64; COORDINATES], records: &mut [f64]) {
         mul_add(index_fdp_1, index_fdp_1, index_fdp_2 * index_fdp_2),
     );
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_fdp_5 = neg_mul_add(
-        2.0,
-        neg_mul_add(3.1487999999999994e-5, cos_index_pip, 0.000172672 * sin_index_pip),
-        0.000354510464,
+    let index_fdp_5 = sqrt(
+        0.000354510464
+            - neg_mul_add(
+                6.297599999999999e-5,
+                cos_index_pip,
+                0.000345344 * sin_index_pip,
+            ),
     );
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_fdp_6 = neg_mul_add(
-        2.0,
-        mul_add(7.315840000000005e-6, cos_index_dip, 7.6342e-5 * sin_index_dip),
-        0.00015491888400000003,
+    let index_fdp_6 = sqrt(
+        0.00015491888400000003
+            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
     );
-    records[0] = 0.12972844537042483 + sqrt(index_fdp_4) + sqrt(index_fdp_5)
-        + sqrt(index_fdp_6);
+    records[0] = 0.12972844537042483 + sqrt(index_fdp_4) + index_fdp_5 + index_fdp_6;
     let index_edc_1 = mul_add(
         0.002999999999999997,
         cos_index_ab,
@@ -65,30 +66,22 @@ pub fn records(q: &[f64; COORDINATES], records: &mut [f64]) {
         index_edc_3,
         mul_add(index_edc_1, index_edc_1, index_edc_2 * index_edc_2),
     );
-    let index_edc_5 = neg_mul_add(
-        2.0,
-        mul_sub(
-            7.699999999999999e-5,
-            cos_index_pip,
-            3.6000000000000014e-5 * sin_index_pip,
-        ),
-        0.00016999999999999999,
+    let index_edc_5 = sqrt(
+        0.00016999999999999999
+            - mul_sub(
+                0.00015399999999999998,
+                cos_index_pip,
+                7.200000000000003e-5 * sin_index_pip,
+            ),
     );
-    records[1] = 0.14993665655140606 + sqrt(index_edc_4) + sqrt(index_edc_5);
+    records[1] = 0.14993665655140606 + sqrt(index_edc_4) + index_edc_5;
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_fpl_2 = mul_add(
-        0.008000000000000004,
-        cos_thumb_ab,
-        0.0029999999999999996 * sin_thumb_ab,
-    ) + mul_sub(0.012, cos_thumb_cmc, thumb_fpl_1);
+    let thumb_fpl_2 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab)
+        + mul_sub(0.012, cos_thumb_cmc, thumb_fpl_1);
     let thumb_fpl_3 = -0.002
-        - neg_mul_add(
-            0.0029999999999999996,
-            cos_thumb_ab,
-            0.008000000000000004 * sin_thumb_ab,
-        );
+        - neg_mul_add(0.003, cos_thumb_ab, 0.008000000000000002 * sin_thumb_ab);
     let thumb_fpl_4 = 0.012000000000000004 - mul_add(0.012, cos_thumb_cmc, thumb_fpl_1);
     let thumb_fpl_5 = mul_add(
         thumb_fpl_4,
@@ -96,23 +89,20 @@ pub fn records(q: &[f64; COORDINATES], records: &mut [f64]) {
         mul_add(thumb_fpl_2, thumb_fpl_2, thumb_fpl_3 * thumb_fpl_3),
     );
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_fpl_6 = neg_mul_add(
-        2.0,
-        mul_add(9.999999999999972e-6, cos_thumb_mcp, 0.00021 * sin_thumb_mcp),
-        0.00042100000000000004,
+    let thumb_fpl_6 = sqrt(
+        0.00042100000000000004
+            - mul_add(1.9999999999999944e-5, cos_thumb_mcp, 0.00042 * sin_thumb_mcp),
     );
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_fpl_7 = neg_mul_add(
-        2.0,
-        neg_mul_add(
-            4.799999999999981e-6,
-            cos_thumb_ip,
-            0.00014879999999999998 * sin_thumb_ip,
-        ),
-        0.00030115999999999997,
+    let thumb_fpl_7 = sqrt(
+        0.00030115999999999997
+            - neg_mul_add(
+                9.599999999999962e-6,
+                cos_thumb_ip,
+                0.00029759999999999997 * sin_thumb_ip,
+            ),
     );
-    records[2] = 0.0774786774042295 + sqrt(thumb_fpl_5) + sqrt(thumb_fpl_6)
-        + sqrt(thumb_fpl_7);
+    records[2] = 0.0774786774042295 + sqrt(thumb_fpl_5) + thumb_fpl_6 + thumb_fpl_7;
 }
 
 /// Its numbers with the current parameters.
