@@ -5,61 +5,6 @@
 use crate::layout::{ARMS, COORDINATES, coordinate};
 use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 
-<<<<<<< HEAD
-=======
-/// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of all strands (m).
-///
-/// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
-///
-/// 63 operations: 20 sums, 10 products, 10 products with sum, 10 roots, 3 sines and cosines.
-pub fn lengths(q: &[f64; COORDINATES], lengths: &mut [f64; STRANDS]) {
-    let q_mcp = q[coordinate::MCP];
-    let q_pip = q[coordinate::PIP];
-    let q_dip = q[coordinate::DIP];
-    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = sqrt(
-        0.000509 + mul_add(6.800000000000003e-5, cos_mcp, 0.000504 * sin_mcp),
-    );
-    let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let fdp_2 = sqrt(
-        0.00035188999999999983
-            + mul_add(6.119999999999986e-5, cos_pip, 0.0003437999999999999 * sin_pip),
-    );
-    let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let fdp_3 = sqrt(
-        0.00015621 - mul_sub(1.3600000000000019e-5, cos_dip, 0.0001538 * sin_dip),
-    );
-    lengths[strand::FDP] = 0.07161627512154058 + fdp_1 + fdp_2 + fdp_3;
-    let fds_1 = sqrt(
-        0.000601
-            - mul_sub(2.3999999999999987e-5, cos_mcp, 0.0006000000000000001 * sin_mcp),
-    );
-    let fds_2 = sqrt(
-        0.0004016399999999999
-            + mul_add(7.759999999999983e-5, cos_pip, 0.0003927999999999999 * sin_pip),
-    );
-    lengths[strand::FDS] = 0.06512765830525491 + fds_1 + fds_2;
-    let edc_1 = sqrt(0.00024925 - mul_add(0.000213, cos_mcp, 0.000129 * sin_mcp));
-    let edc_2 = sqrt(
-        0.00016999999999999996
-            - mul_add(0.000154, cos_pip, 7.199999999999991e-5 * sin_pip),
-    );
-    lengths[strand::EDC] = 0.09184108383968201 + edc_1 + edc_2;
-    let lumbrical_1 = sqrt(
-        0.00018899999999999999 + mul_add(6.8e-5, cos_mcp, 0.000176 * sin_mcp),
-    );
-    let lumbrical_2 = sqrt(
-        8.999999999999998e-5
-            - mul_add(5.4000000000000025e-5, cos_pip, 7.199999999999995e-5 * sin_pip),
-    );
-    let lumbrical_3 = sqrt(
-        9.25e-5 - mul_add(7.649999999999999e-5, cos_dip, 5.200000000000002e-5 * sin_dip),
-    );
-    lengths[strand::LUMBRICAL] = 0.09024829243194461 + lumbrical_1 + lumbrical_2
-        + lumbrical_3;
-}
-
->>>>>>> work-a
 /// Moment arms ∂x/∂q of all strands (m/rad or 1), one row per strand; entries that are zero by structure are not written.
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).

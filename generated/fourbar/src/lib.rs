@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::approx_constant, clippy::too_many_arguments, clippy::let_and_return)]
 #![allow(clippy::excessive_precision, clippy::single_match, clippy::type_complexity)]
+#![allow(clippy::erasing_op, clippy::identity_op)]
 mod interface;
 mod model;
 pub mod blocks;

@@ -2,28 +2,9 @@
 
 //! Strands: lengths and moment arms.
 
-<<<<<<< HEAD
 use crate::layout::{ARMS, COORDINATES, coordinate};
-use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
-
-=======
-use crate::layout::{ARMS, COORDINATES, STRANDS, coordinate, strand};
 use handc_core::math::{mul_add, mul_sub, sin_cos, sqrt};
 
-/// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of all strands (m).
-///
-/// Strands: `spring` (squeezer.hdl:71).
-///
-/// 6 operations: 1 sum, 1 product, 1 product with sum, 1 root, 1 sine and cosine.
-pub fn lengths(q: &[f64; COORDINATES], lengths: &mut [f64; STRANDS]) {
-    let q_gamma = q[coordinate::GAMMA];
-    let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    lengths[strand::SPRING] = sqrt(
-        0.0048012554 - mul_add(0.0006002800000000003, cos_gamma, 0.0033834 * sin_gamma),
-    );
-}
-
->>>>>>> work-a
 /// Moment arms ∂x/∂q of all strands (m/rad or 1), one row per strand; entries that are zero by structure are not written.
 ///
 /// Strands: `spring` (squeezer.hdl:71).

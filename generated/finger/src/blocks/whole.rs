@@ -15,8 +15,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
-<<<<<<< HEAD
-/// 213 operations: 21 sums, 47 products, 61 products with sum, 10 divisions, 10 roots, 3 sines and cosines.
+/// 182 operations: 31 sums, 42 products, 43 products with sum, 10 divisions, 10 roots, 3 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 3],
@@ -25,16 +24,6 @@ pub fn evaluate<L: Lane>(
     constants: &[f64],
     momentum: &mut [L; 3],
     force: &mut [L; 3],
-=======
-/// 182 operations: 31 sums, 42 products, 43 products with sum, 10 divisions, 10 roots, 3 sines and cosines.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
->>>>>>> work-a
 ) {
     let constants = &constants[..3 * L::WIDTH];
     let q_mcp = q[0];
@@ -52,308 +41,175 @@ pub fn evaluate(
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-<<<<<<< HEAD
-    let mcp_1 = mul_add(
-        L::splat(0.0079),
-        mul_sub(cos_pip, cos_dip, sin_pip * sin_dip),
-        mul_add(L::splat(0.0224), cos_pip, L::splat(0.039799999999999995)),
-    );
-    let mcp_2 = L::splat(0.0026754431356501404) * mcp_1;
-    let mcp_3 = L::splat(0.0224) * sin_pip;
-    let mcp_4 = mul_add(
-        L::splat(0.0079),
-        mul_add(sin_pip, cos_dip, cos_pip * sin_dip),
-        mcp_3,
-    );
-    let mcp_5 = L::splat(0.0026754431356501404) * mcp_4;
-    let mcp_6 = v_mcp + v_pip;
-    let mcp_7 = v_dip + mcp_6;
-    let mcp_8 = neg_mul_add(L::splat(0.0224), cos_pip, L::splat(-0.039799999999999995));
-    let mcp_9 = L::splat(0.039799999999999995) * v_pip;
-    let mcp_10 = mul_sub(v_dip, mcp_8, mcp_9);
-    let mcp_11 = v_dip * mcp_3;
-    let mcp_12 = mul_add(
-        mcp_7,
-        L::splat(8.843231377702265e-8) + mul_add(mcp_1, mcp_2, mcp_4 * mcp_5),
-        mul_sub(mcp_10, mcp_2, mcp_11 * mcp_5),
-    );
-    let mcp_13 = mul_add(L::splat(0.0112), cos_pip, L::splat(0.039799999999999995));
-    let mcp_14 = L::splat(0.0049541659510049605) * mcp_13;
-    let mcp_15 = L::splat(5.5486658651255556e-5) * sin_pip;
-    let mcp_16 = L::splat(2.8641684751410007e-7)
-        + mul_add(mcp_13, mcp_14, L::splat(0.0112) * sin_pip * mcp_15);
-    let mcp_17 = mul_sub(mcp_6, mcp_16, mcp_9 * mcp_14) + mcp_12;
-    momentum[0] = mul_add(L::splat(6.108011569195822e-6), v_mcp, mcp_17);
-    let pip_1 = mul_add(L::splat(0.0026754431356501404), mcp_10, mcp_7 * mcp_2);
-    momentum[1] = neg_mul_add(
-        L::splat(0.039799999999999995),
-        neg_mul_add(L::splat(0.0001971758048499974), v_pip, mcp_6 * mcp_14) + pip_1,
-        mcp_17,
-    );
-    let dip_1 = mul_sub(L::splat(0.0026754431356501404), mcp_11, mcp_7 * mcp_5);
-    momentum[2] = mcp_12 + mul_add(mcp_3, dip_1, mcp_8 * pip_1);
-    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(3.400000000000001e-5), cos_mcp, L::splat(0.000252) * sin_mcp),
-        L::splat(0.000509),
-    );
-    let fdp_2 = sqrt(fdp_1);
-    let fdp_3 = mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(3.059999999999993e-5),
-            cos_pip,
-            L::splat(0.00017189999999999995) * sin_pip,
-        ),
-        L::splat(0.00035188999999999983),
-    );
-    let fdp_4 = sqrt(fdp_3);
-    let fdp_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(L::splat(6.8000000000000094e-6), cos_dip, L::splat(7.69e-5) * sin_dip),
-        L::splat(0.00015621),
-    );
-    let fdp_6 = sqrt(fdp_5);
-    let fdp_7 = (L::splat(0.07161627512154058) + fdp_2 + fdp_4 + fdp_6 - rest_fdp) * c_1;
-    let fdp_8 = neg_mul_add(
-        L::splat(3.400000000000001e-5),
-        sin_mcp,
-        L::splat(0.000252) * cos_mcp,
-    ) / fdp_2;
-    let fds_1 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(1.1999999999999994e-5),
-            cos_mcp,
-            L::splat(0.00030000000000000003) * sin_mcp,
-        ),
-        L::splat(0.000601),
-    );
-    let fds_2 = sqrt(fds_1);
-    let fds_3 = mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(3.879999999999991e-5),
-            cos_pip,
-            L::splat(0.00019639999999999995) * sin_pip,
-        ),
-        L::splat(0.0004016399999999999),
-    );
-    let fds_4 = sqrt(fds_3);
-    let fds_5 = (L::splat(0.06512765830525491) + fds_2 + fds_4 - rest_fds) * c_1;
-    let fds_6 = mul_add(
-        L::splat(1.1999999999999994e-5),
-        sin_mcp,
-        L::splat(0.00030000000000000003) * cos_mcp,
-    ) / fds_2;
-    let edc_1 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(0.0001065), cos_mcp, L::splat(6.45e-5) * sin_mcp),
-        L::splat(0.00024925),
-    );
-    let edc_2 = sqrt(edc_1);
-    let edc_3 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(7.7e-5), cos_pip, L::splat(3.5999999999999953e-5) * sin_pip),
-        L::splat(0.00016999999999999996),
-    );
-    let edc_4 = sqrt(edc_3);
-    let edc_5 = (L::splat(0.09184108383968201) + edc_2 + edc_4 - rest_edc) * c_0;
-    let edc_6 = mul_sub(L::splat(0.0001065), sin_mcp, L::splat(6.45e-5) * cos_mcp)
-        / edc_2;
-    let mcp_18 = mul_add(edc_6, edc_5, mul_add(fds_6, fds_5, fdp_8 * fdp_7));
-    let lumbrical_1 = mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(3.4e-5), cos_mcp, L::splat(8.8e-5) * sin_mcp),
-        L::splat(0.00018899999999999999),
-    );
-    let lumbrical_2 = sqrt(lumbrical_1);
-    let lumbrical_3 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(2.7000000000000013e-5),
-            cos_pip,
-            L::splat(3.5999999999999974e-5) * sin_pip,
-        ),
-        L::splat(8.999999999999998e-5),
-    );
-    let lumbrical_4 = sqrt(lumbrical_3);
-    let lumbrical_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(3.8249999999999995e-5),
-            cos_dip,
-            L::splat(2.600000000000001e-5) * sin_dip,
-        ),
-        L::splat(9.25e-5),
-    );
-    let lumbrical_6 = sqrt(lumbrical_5);
-    let lumbrical_7 = (L::splat(0.09024829243194461) + lumbrical_2 + lumbrical_4
-        + lumbrical_6 - rest_lumbrical) * c_2;
-    let lumbrical_8 = neg_mul_add(L::splat(3.4e-5), sin_mcp, L::splat(8.8e-5) * cos_mcp)
-        / lumbrical_2;
-    force[0] = -mul_add(lumbrical_8, lumbrical_7, mcp_18);
-    let fdp_9 = neg_mul_add(
-        L::splat(3.059999999999993e-5),
-        sin_pip,
-        L::splat(0.00017189999999999995) * cos_pip,
-    ) / fdp_4;
-    let pip_2 = mul_sub(
-        L::splat(0.039799999999999995) * v_mcp,
-        neg_mul_add(mcp_6, mcp_15, dip_1),
-        fdp_9 * fdp_7,
-    );
-    let fds_7 = neg_mul_add(
-        L::splat(3.879999999999991e-5),
-        sin_pip,
-        L::splat(0.00019639999999999995) * cos_pip,
-    ) / fds_4;
-    let edc_7 = mul_sub(
-        L::splat(7.7e-5),
-        sin_pip,
-        L::splat(3.5999999999999953e-5) * cos_pip,
-    ) / edc_4;
-    let lumbrical_9 = mul_sub(
-        L::splat(2.7000000000000013e-5),
-        sin_pip,
-        L::splat(3.5999999999999974e-5) * cos_pip,
-    ) / lumbrical_4;
-    force[1] = neg_mul_add(
-        lumbrical_9,
-        lumbrical_7,
-        neg_mul_add(edc_7, edc_5, neg_mul_add(fds_7, fds_5, pip_2)),
-    );
-    let dip_2 = neg_mul_add(mul_add(mcp_8, mcp_6, mcp_9), dip_1, mcp_3 * mcp_6 * pip_1);
-    let fdp_10 = mul_add(
-        L::splat(6.8000000000000094e-6),
-        sin_dip,
-        L::splat(7.69e-5) * cos_dip,
-    ) / fdp_6;
-    let lumbrical_10 = mul_sub(
-        L::splat(3.8249999999999995e-5),
-        sin_dip,
-        L::splat(2.600000000000001e-5) * cos_dip,
-    ) / lumbrical_6;
-    force[2] = neg_mul_add(lumbrical_10, lumbrical_7, neg_mul_add(fdp_10, fdp_7, dip_2));
-=======
-    let mcp_1 = 2.113600077163611e-5 * mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_1 = L::splat(2.113600077163611e-5)
+        * mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
     let mcp_2 = v_mcp + v_pip;
     let mcp_3 = v_dip + mcp_2;
     let mcp_4 = mcp_3 * mcp_1;
-    let mcp_5 = 0.0224 * sin_pip;
-    let mcp_6 = 2.113600077163611e-5 * mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
+    let mcp_5 = L::splat(0.0224) * sin_pip;
+    let mcp_6 = L::splat(2.113600077163611e-5)
+        * mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
     let mcp_7 = mcp_3 * mcp_6;
-    let mcp_8 = 0.0224 * cos_pip;
-    let mcp_9 = 0.0001154165848898187 * cos_pip;
-    let mcp_10 = 0.039799999999999995 * v_mcp;
+    let mcp_8 = L::splat(0.0224) * cos_pip;
+    let mcp_9 = L::splat(0.0001154165848898187) * cos_pip;
+    let mcp_10 = L::splat(0.039799999999999995) * v_mcp;
     let mcp_11 = mul_add(mcp_10, mcp_9, mul_add(mcp_8, mcp_7, mcp_5 * mcp_4));
     let mcp_12 = mcp_2 * mcp_8;
     let mcp_13 = mcp_10 + mcp_12;
     let mcp_14 = mcp_2 * mcp_5;
     let mcp_15 = mul_add(
-        2.5540671987294797e-7,
+        L::splat(2.5540671987294797e-7),
         mcp_3,
         mul_add(mcp_13, mcp_6, mcp_14 * mcp_1),
     );
-    let mcp_16 = mcp_15 + mul_add(2.2502977721519766e-6, mcp_2, mcp_11);
+    let mcp_16 = mcp_15 + mul_add(L::splat(2.2502977721519766e-6), mcp_2, mcp_11);
     let mcp_17 = mul_add(
-        0.039799999999999995,
+        L::splat(0.039799999999999995),
         mul_add(mcp_2, mcp_9, mcp_7),
-        1.8193617546820962e-5 * v_mcp,
+        L::splat(1.8193617546820962e-5) * v_mcp,
     );
-    momentum[coordinate::MCP] = mcp_16 + mcp_17;
-    momentum[coordinate::PIP] = mcp_16;
-    momentum[coordinate::DIP] = mcp_15;
+    momentum[0] = mcp_16 + mcp_17;
+    momentum[1] = mcp_16;
+    momentum[2] = mcp_15;
     let mcp_18 = mcp_14 * mcp_7;
-    let mcp_19 = mcp_2 * (0.0001154165848898187 * sin_pip);
+    let mcp_19 = mcp_2 * (L::splat(0.0001154165848898187) * sin_pip);
     let mcp_20 = neg_mul_add(mcp_13, mcp_4, mcp_18);
     let mcp_21 = mcp_20 + neg_mul_add(mcp_10, mcp_19, mul_sub(mcp_12, mcp_4, mcp_18));
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
     let fdp_1 = sqrt(
-        0.000509 + mul_add(6.800000000000003e-5, cos_mcp, 0.000504 * sin_mcp),
+        L::splat(0.000509)
+            + mul_add(
+                L::splat(6.800000000000003e-5),
+                cos_mcp,
+                L::splat(0.000504) * sin_mcp,
+            ),
     );
     let fdp_2 = sqrt(
-        0.00035188999999999983
-            + mul_add(6.119999999999986e-5, cos_pip, 0.0003437999999999999 * sin_pip),
+        L::splat(0.00035188999999999983)
+            + mul_add(
+                L::splat(6.119999999999986e-5),
+                cos_pip,
+                L::splat(0.0003437999999999999) * sin_pip,
+            ),
     );
     let fdp_3 = sqrt(
-        0.00015621 - mul_sub(1.3600000000000019e-5, cos_dip, 0.0001538 * sin_dip),
+        L::splat(0.00015621)
+            - mul_sub(
+                L::splat(1.3600000000000019e-5),
+                cos_dip,
+                L::splat(0.0001538) * sin_dip,
+            ),
     );
-    let fdp_4 = k_flexor * (0.07161627512154058 + fdp_1 + fdp_2 + fdp_3 - rest_fdp);
-    let fdp_5 = neg_mul_add(3.400000000000001e-5, sin_mcp, 0.000252 * cos_mcp) / fdp_1;
+    let fdp_4 = (L::splat(0.07161627512154058) + fdp_1 + fdp_2 + fdp_3 - rest_fdp) * c_2;
+    let fdp_5 = neg_mul_add(
+        L::splat(3.400000000000001e-5),
+        sin_mcp,
+        L::splat(0.000252) * cos_mcp,
+    ) / fdp_1;
     let mcp_22 = neg_mul_add(fdp_5, fdp_4, mul_add(mcp_10, mcp_19 + mcp_4, mcp_21));
     let fds_1 = sqrt(
-        0.000601
-            - mul_sub(2.3999999999999987e-5, cos_mcp, 0.0006000000000000001 * sin_mcp),
+        L::splat(0.000601)
+            - mul_sub(
+                L::splat(2.3999999999999987e-5),
+                cos_mcp,
+                L::splat(0.0006000000000000001) * sin_mcp,
+            ),
     );
     let fds_2 = sqrt(
-        0.0004016399999999999
-            + mul_add(7.759999999999983e-5, cos_pip, 0.0003927999999999999 * sin_pip),
+        L::splat(0.0004016399999999999)
+            + mul_add(
+                L::splat(7.759999999999983e-5),
+                cos_pip,
+                L::splat(0.0003927999999999999) * sin_pip,
+            ),
     );
-    let fds_3 = k_flexor * (0.06512765830525491 + fds_1 + fds_2 - rest_fds);
-    let fds_4 = mul_add(1.1999999999999994e-5, sin_mcp, 0.00030000000000000003 * cos_mcp)
-        / fds_1;
-    let edc_1 = sqrt(0.00024925 - mul_add(0.000213, cos_mcp, 0.000129 * sin_mcp));
+    let fds_3 = (L::splat(0.06512765830525491) + fds_1 + fds_2 - rest_fds) * c_2;
+    let fds_4 = mul_add(
+        L::splat(1.1999999999999994e-5),
+        sin_mcp,
+        L::splat(0.00030000000000000003) * cos_mcp,
+    ) / fds_1;
+    let edc_1 = sqrt(
+        L::splat(0.00024925)
+            - mul_add(L::splat(0.000213), cos_mcp, L::splat(0.000129) * sin_mcp),
+    );
     let edc_2 = sqrt(
-        0.00016999999999999996
-            - mul_add(0.000154, cos_pip, 7.199999999999991e-5 * sin_pip),
+        L::splat(0.00016999999999999996)
+            - mul_add(
+                L::splat(0.000154),
+                cos_pip,
+                L::splat(7.199999999999991e-5) * sin_pip,
+            ),
     );
-    let edc_3 = k_extensor * (0.09184108383968201 + edc_1 + edc_2 - rest_edc);
-    let edc_4 = mul_sub(0.0001065, sin_mcp, 6.45e-5 * cos_mcp) / edc_1;
+    let edc_3 = (L::splat(0.09184108383968201) + edc_1 + edc_2 - rest_edc) * c_1;
+    let edc_4 = mul_sub(L::splat(0.0001065), sin_mcp, L::splat(6.45e-5) * cos_mcp)
+        / edc_1;
     let lumbrical_1 = sqrt(
-        0.00018899999999999999 + mul_add(6.8e-5, cos_mcp, 0.000176 * sin_mcp),
+        L::splat(0.00018899999999999999)
+            + mul_add(L::splat(6.8e-5), cos_mcp, L::splat(0.000176) * sin_mcp),
     );
     let lumbrical_2 = sqrt(
-        8.999999999999998e-5
-            - mul_add(5.4000000000000025e-5, cos_pip, 7.199999999999995e-5 * sin_pip),
+        L::splat(8.999999999999998e-5)
+            - mul_add(
+                L::splat(5.4000000000000025e-5),
+                cos_pip,
+                L::splat(7.199999999999995e-5) * sin_pip,
+            ),
     );
     let lumbrical_3 = sqrt(
-        9.25e-5 - mul_add(7.649999999999999e-5, cos_dip, 5.200000000000002e-5 * sin_dip),
+        L::splat(9.25e-5)
+            - mul_add(
+                L::splat(7.649999999999999e-5),
+                cos_dip,
+                L::splat(5.200000000000002e-5) * sin_dip,
+            ),
     );
-    let lumbrical_4 = k_lumbrical
-        * (0.09024829243194461 + lumbrical_1 + lumbrical_2 + lumbrical_3
-            - rest_lumbrical);
-    let lumbrical_5 = neg_mul_add(3.4e-5, sin_mcp, 8.8e-5 * cos_mcp) / lumbrical_1;
-    force[coordinate::MCP] = neg_mul_add(
+    let lumbrical_4 = (L::splat(0.09024829243194461) + lumbrical_1 + lumbrical_2
+        + lumbrical_3 - rest_lumbrical) * c_0;
+    let lumbrical_5 = neg_mul_add(L::splat(3.4e-5), sin_mcp, L::splat(8.8e-5) * cos_mcp)
+        / lumbrical_1;
+    force[0] = neg_mul_add(
         lumbrical_5,
         lumbrical_4,
         neg_mul_add(edc_4, edc_3, neg_mul_add(fds_4, fds_3, mcp_22)),
     );
     let fdp_6 = neg_mul_add(
-        3.059999999999993e-5,
+        L::splat(3.059999999999993e-5),
         sin_pip,
-        0.00017189999999999995 * cos_pip,
+        L::splat(0.00017189999999999995) * cos_pip,
     ) / fdp_2;
     let fds_5 = neg_mul_add(
-        3.879999999999991e-5,
+        L::splat(3.879999999999991e-5),
         sin_pip,
-        0.00019639999999999995 * cos_pip,
+        L::splat(0.00019639999999999995) * cos_pip,
     ) / fds_2;
-    let edc_5 = mul_sub(7.7e-5, sin_pip, 3.5999999999999953e-5 * cos_pip) / edc_2;
+    let edc_5 = mul_sub(
+        L::splat(7.7e-5),
+        sin_pip,
+        L::splat(3.5999999999999953e-5) * cos_pip,
+    ) / edc_2;
     let pip_1 = neg_mul_add(
         edc_5,
         edc_3,
         neg_mul_add(fds_5, fds_3, neg_mul_add(fdp_6, fdp_4, mcp_21)),
     );
     let lumbrical_6 = mul_sub(
-        2.7000000000000013e-5,
+        L::splat(2.7000000000000013e-5),
         sin_pip,
-        3.5999999999999974e-5 * cos_pip,
+        L::splat(3.5999999999999974e-5) * cos_pip,
     ) / lumbrical_2;
-    force[coordinate::PIP] = neg_mul_add(lumbrical_6, lumbrical_4, pip_1);
-    let fdp_7 = mul_add(6.8000000000000094e-6, sin_dip, 7.69e-5 * cos_dip) / fdp_3;
-    let lumbrical_7 = mul_sub(
-        3.8249999999999995e-5,
+    force[1] = neg_mul_add(lumbrical_6, lumbrical_4, pip_1);
+    let fdp_7 = mul_add(
+        L::splat(6.8000000000000094e-6),
         sin_dip,
-        2.600000000000001e-5 * cos_dip,
+        L::splat(7.69e-5) * cos_dip,
+    ) / fdp_3;
+    let lumbrical_7 = mul_sub(
+        L::splat(3.8249999999999995e-5),
+        sin_dip,
+        L::splat(2.600000000000001e-5) * cos_dip,
     ) / lumbrical_3;
-    force[coordinate::DIP] = neg_mul_add(
-        lumbrical_7,
-        lumbrical_4,
-        neg_mul_add(fdp_7, fdp_4, mcp_20),
-    );
->>>>>>> work-a
+    force[2] = neg_mul_add(lumbrical_7, lumbrical_4, neg_mul_add(fdp_7, fdp_4, mcp_20));
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -364,8 +220,7 @@ pub fn evaluate(
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
-<<<<<<< HEAD
-/// 416 operations: 39 sums, 109 products, 122 products with sum, 11 divisions, 10 roots, 3 sines and cosines.
+/// 365 operations: 71 sums, 128 products, 71 products with sum, 11 divisions, 10 roots, 3 sines and cosines.
 #[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
     q: &[L; 3],
@@ -376,18 +231,6 @@ pub fn evaluate_with_matrix<L: Lane>(
     momentum: &mut [L; 3],
     force: &mut [L; 3],
     matrix: &mut [L; 9],
-=======
-/// 365 operations: 71 sums, 128 products, 71 products with sum, 11 divisions, 10 roots, 3 sines and cosines.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
->>>>>>> work-a
 ) {
     let constants = &constants[..3 * L::WIDTH];
     let q_mcp = q[0];
@@ -405,61 +248,62 @@ pub fn evaluate_with_matrix(
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-<<<<<<< HEAD
-    let mcp_1 = mul_add(
-        L::splat(0.0079),
-        mul_sub(cos_pip, cos_dip, sin_pip * sin_dip),
-        mul_add(L::splat(0.0224), cos_pip, L::splat(0.039799999999999995)),
+    let mcp_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_2 = L::splat(2.113600077163611e-5) * mcp_1;
+    let mcp_3 = v_mcp + v_pip;
+    let mcp_4 = v_dip + mcp_3;
+    let mcp_5 = mcp_4 * mcp_2;
+    let mcp_6 = L::splat(0.0224) * sin_pip;
+    let mcp_7 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
+    let mcp_8 = L::splat(2.113600077163611e-5) * mcp_7;
+    let mcp_9 = mcp_4 * mcp_8;
+    let mcp_10 = L::splat(0.0224) * cos_pip;
+    let mcp_11 = L::splat(0.0001154165848898187) * cos_pip;
+    let mcp_12 = L::splat(0.039799999999999995) * v_mcp;
+    let mcp_13 = mul_add(mcp_12, mcp_11, mul_add(mcp_10, mcp_9, mcp_6 * mcp_5));
+    let mcp_14 = mcp_3 * mcp_10;
+    let mcp_15 = mcp_12 + mcp_14;
+    let mcp_16 = mcp_3 * mcp_6;
+    let mcp_17 = mul_add(
+        L::splat(2.5540671987294797e-7),
+        mcp_4,
+        mul_add(mcp_15, mcp_8, mcp_16 * mcp_2),
     );
-    let mcp_2 = L::splat(0.0026754431356501404) * mcp_1;
-    let mcp_3 = L::splat(0.0224) * sin_pip;
-    let mcp_4 = mul_add(
-        L::splat(0.0079),
-        mul_add(sin_pip, cos_dip, cos_pip * sin_dip),
-        mcp_3,
-    );
-    let mcp_5 = L::splat(0.0026754431356501404) * mcp_4;
-    let mcp_6 = L::splat(8.843231377702265e-8) + mul_add(mcp_1, mcp_2, mcp_4 * mcp_5);
-    let mcp_7 = v_mcp + v_pip;
-    let mcp_8 = v_dip + mcp_7;
-    let mcp_9 = neg_mul_add(L::splat(0.0224), cos_pip, L::splat(-0.039799999999999995));
-    let mcp_10 = L::splat(0.039799999999999995) * v_pip;
-    let mcp_11 = mul_sub(v_dip, mcp_9, mcp_10);
-    let mcp_12 = v_dip * mcp_3;
-    let mcp_13 = mul_add(mcp_8, mcp_6, mul_sub(mcp_11, mcp_2, mcp_12 * mcp_5));
-    let mcp_14 = mul_add(L::splat(0.0112), cos_pip, L::splat(0.039799999999999995));
-    let mcp_15 = L::splat(0.0049541659510049605) * mcp_14;
-    let mcp_16 = L::splat(5.5486658651255556e-5) * sin_pip;
-    let mcp_17 = L::splat(2.8641684751410007e-7)
-        + mul_add(mcp_14, mcp_15, L::splat(0.0112) * sin_pip * mcp_16);
-    let mcp_18 = mul_sub(mcp_7, mcp_17, mcp_10 * mcp_15) + mcp_13;
-    momentum[0] = mul_add(L::splat(6.108011569195822e-6), v_mcp, mcp_18);
-    let pip_1 = mul_add(L::splat(0.0026754431356501404), mcp_11, mcp_8 * mcp_2);
-    let pip_2 = neg_mul_add(L::splat(0.0001971758048499974), v_pip, mcp_7 * mcp_15)
-        + pip_1;
-    momentum[1] = neg_mul_add(L::splat(0.039799999999999995), pip_2, mcp_18);
-    let dip_1 = mul_sub(L::splat(0.0026754431356501404), mcp_12, mcp_8 * mcp_5);
-    momentum[2] = mcp_13 + mul_add(mcp_3, dip_1, mcp_9 * pip_1);
+    let mcp_18 = mcp_17 + mul_add(L::splat(2.2502977721519766e-6), mcp_3, mcp_13);
+    let mcp_19 = mcp_3 * mcp_11;
+    let mcp_20 = mcp_19 + mcp_9;
+    momentum[0] = mcp_18
+        + mul_add(
+            L::splat(0.039799999999999995),
+            mcp_20,
+            L::splat(1.8193617546820962e-5) * v_mcp,
+        );
+    momentum[1] = mcp_18;
+    momentum[2] = mcp_17;
+    let mcp_21 = mcp_16 * mcp_9;
+    let mcp_22 = mcp_3 * (L::splat(0.0001154165848898187) * sin_pip);
+    let mcp_23 = neg_mul_add(mcp_15, mcp_5, mcp_21);
+    let mcp_24 = mcp_23 + neg_mul_add(mcp_12, mcp_22, mul_sub(mcp_14, mcp_5, mcp_21));
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
     let fdp_1 = mul_add(
-        L::splat(3.400000000000001e-5),
+        L::splat(6.800000000000003e-5),
         cos_mcp,
-        L::splat(0.000252) * sin_mcp,
+        L::splat(0.000504) * sin_mcp,
     );
-    let fdp_2 = sqrt(mul_add(L::splat(2.0), fdp_1, L::splat(0.000509)));
+    let fdp_2 = sqrt(L::splat(0.000509) + fdp_1);
     let fdp_3 = mul_add(
-        L::splat(3.059999999999993e-5),
+        L::splat(6.119999999999986e-5),
         cos_pip,
-        L::splat(0.00017189999999999995) * sin_pip,
+        L::splat(0.0003437999999999999) * sin_pip,
     );
-    let fdp_4 = sqrt(mul_add(L::splat(2.0), fdp_3, L::splat(0.00035188999999999983)));
+    let fdp_4 = sqrt(L::splat(0.00035188999999999983) + fdp_3);
     let fdp_5 = mul_sub(
-        L::splat(6.8000000000000094e-6),
+        L::splat(1.3600000000000019e-5),
         cos_dip,
-        L::splat(7.69e-5) * sin_dip,
+        L::splat(0.0001538) * sin_dip,
     );
-    let fdp_6 = sqrt(neg_mul_add(L::splat(2.0), fdp_5, L::splat(0.00015621)));
-    let fdp_7 = (L::splat(0.07161627512154058) + fdp_2 + fdp_4 + fdp_6 - rest_fdp) * c_1;
+    let fdp_6 = sqrt(L::splat(0.00015621) - fdp_5);
+    let fdp_7 = (L::splat(0.07161627512154058) + fdp_2 + fdp_4 + fdp_6 - rest_fdp) * c_2;
     let fdp_8 = L::splat(1.0) / fdp_2;
     let fdp_9 = fdp_8
         * neg_mul_add(
@@ -467,19 +311,20 @@ pub fn evaluate_with_matrix(
             sin_mcp,
             L::splat(0.000252) * cos_mcp,
         );
+    let mcp_25 = neg_mul_add(fdp_9, fdp_7, mul_add(mcp_12, mcp_22 + mcp_5, mcp_24));
     let fds_1 = mul_sub(
-        L::splat(1.1999999999999994e-5),
+        L::splat(2.3999999999999987e-5),
         cos_mcp,
-        L::splat(0.00030000000000000003) * sin_mcp,
+        L::splat(0.0006000000000000001) * sin_mcp,
     );
-    let fds_2 = sqrt(neg_mul_add(L::splat(2.0), fds_1, L::splat(0.000601)));
+    let fds_2 = sqrt(L::splat(0.000601) - fds_1);
     let fds_3 = mul_add(
-        L::splat(3.879999999999991e-5),
+        L::splat(7.759999999999983e-5),
         cos_pip,
-        L::splat(0.00019639999999999995) * sin_pip,
+        L::splat(0.0003927999999999999) * sin_pip,
     );
-    let fds_4 = sqrt(mul_add(L::splat(2.0), fds_3, L::splat(0.0004016399999999999)));
-    let fds_5 = (L::splat(0.06512765830525491) + fds_2 + fds_4 - rest_fds) * c_1;
+    let fds_4 = sqrt(L::splat(0.0004016399999999999) + fds_3);
+    let fds_5 = (L::splat(0.06512765830525491) + fds_2 + fds_4 - rest_fds) * c_2;
     let fds_6 = L::splat(1.0) / fds_2;
     let fds_7 = fds_6
         * mul_add(
@@ -487,45 +332,42 @@ pub fn evaluate_with_matrix(
             sin_mcp,
             L::splat(0.00030000000000000003) * cos_mcp,
         );
-    let edc_1 = mul_add(L::splat(0.0001065), cos_mcp, L::splat(6.45e-5) * sin_mcp);
-    let edc_2 = sqrt(neg_mul_add(L::splat(2.0), edc_1, L::splat(0.00024925)));
+    let edc_1 = mul_add(L::splat(0.000213), cos_mcp, L::splat(0.000129) * sin_mcp);
+    let edc_2 = sqrt(L::splat(0.00024925) - edc_1);
     let edc_3 = mul_add(
-        L::splat(7.7e-5),
+        L::splat(0.000154),
         cos_pip,
-        L::splat(3.5999999999999953e-5) * sin_pip,
+        L::splat(7.199999999999991e-5) * sin_pip,
     );
-    let edc_4 = sqrt(
-        neg_mul_add(L::splat(2.0), edc_3, L::splat(0.00016999999999999996)),
-    );
-    let edc_5 = (L::splat(0.09184108383968201) + edc_2 + edc_4 - rest_edc) * c_0;
+    let edc_4 = sqrt(L::splat(0.00016999999999999996) - edc_3);
+    let edc_5 = (L::splat(0.09184108383968201) + edc_2 + edc_4 - rest_edc) * c_1;
     let edc_6 = L::splat(1.0) / edc_2;
     let edc_7 = edc_6
         * mul_sub(L::splat(0.0001065), sin_mcp, L::splat(6.45e-5) * cos_mcp);
-    let mcp_19 = mul_add(edc_7, edc_5, mul_add(fds_7, fds_5, fdp_9 * fdp_7));
-    let lumbrical_1 = mul_add(L::splat(3.4e-5), cos_mcp, L::splat(8.8e-5) * sin_mcp);
-    let lumbrical_2 = sqrt(
-        mul_add(L::splat(2.0), lumbrical_1, L::splat(0.00018899999999999999)),
-    );
+    let lumbrical_1 = mul_add(L::splat(6.8e-5), cos_mcp, L::splat(0.000176) * sin_mcp);
+    let lumbrical_2 = sqrt(L::splat(0.00018899999999999999) + lumbrical_1);
     let lumbrical_3 = mul_add(
-        L::splat(2.7000000000000013e-5),
+        L::splat(5.4000000000000025e-5),
         cos_pip,
-        L::splat(3.5999999999999974e-5) * sin_pip,
+        L::splat(7.199999999999995e-5) * sin_pip,
     );
-    let lumbrical_4 = sqrt(
-        neg_mul_add(L::splat(2.0), lumbrical_3, L::splat(8.999999999999998e-5)),
-    );
+    let lumbrical_4 = sqrt(L::splat(8.999999999999998e-5) - lumbrical_3);
     let lumbrical_5 = mul_add(
-        L::splat(3.8249999999999995e-5),
+        L::splat(7.649999999999999e-5),
         cos_dip,
-        L::splat(2.600000000000001e-5) * sin_dip,
+        L::splat(5.200000000000002e-5) * sin_dip,
     );
-    let lumbrical_6 = sqrt(neg_mul_add(L::splat(2.0), lumbrical_5, L::splat(9.25e-5)));
+    let lumbrical_6 = sqrt(L::splat(9.25e-5) - lumbrical_5);
     let lumbrical_7 = (L::splat(0.09024829243194461) + lumbrical_2 + lumbrical_4
-        + lumbrical_6 - rest_lumbrical) * c_2;
+        + lumbrical_6 - rest_lumbrical) * c_0;
     let lumbrical_8 = L::splat(1.0) / lumbrical_2;
     let lumbrical_9 = lumbrical_8
         * neg_mul_add(L::splat(3.4e-5), sin_mcp, L::splat(8.8e-5) * cos_mcp);
-    force[0] = -mul_add(lumbrical_9, lumbrical_7, mcp_19);
+    force[0] = neg_mul_add(
+        lumbrical_9,
+        lumbrical_7,
+        neg_mul_add(edc_7, edc_5, neg_mul_add(fds_7, fds_5, mcp_25)),
+    );
     let fdp_10 = L::splat(1.0) / fdp_4;
     let fdp_11 = fdp_10
         * neg_mul_add(
@@ -533,8 +375,6 @@ pub fn evaluate_with_matrix(
             sin_pip,
             L::splat(0.00017189999999999995) * cos_pip,
         );
-    let pip_3 = neg_mul_add(mcp_7, mcp_16, dip_1);
-    let pip_4 = L::splat(0.039799999999999995) * v_mcp;
     let fds_8 = L::splat(1.0) / fds_4;
     let fds_9 = fds_8
         * neg_mul_add(
@@ -542,10 +382,14 @@ pub fn evaluate_with_matrix(
             sin_pip,
             L::splat(0.00019639999999999995) * cos_pip,
         );
-    let pip_5 = neg_mul_add(fds_9, fds_5, mul_sub(pip_4, pip_3, fdp_11 * fdp_7));
     let edc_8 = L::splat(1.0) / edc_4;
     let edc_9 = edc_8
         * mul_sub(L::splat(7.7e-5), sin_pip, L::splat(3.5999999999999953e-5) * cos_pip);
+    let pip_1 = neg_mul_add(
+        edc_9,
+        edc_5,
+        neg_mul_add(fds_9, fds_5, neg_mul_add(fdp_11, fdp_7, mcp_24)),
+    );
     let lumbrical_10 = L::splat(1.0) / lumbrical_4;
     let lumbrical_11 = lumbrical_10
         * mul_sub(
@@ -553,13 +397,10 @@ pub fn evaluate_with_matrix(
             sin_pip,
             L::splat(3.5999999999999974e-5) * cos_pip,
         );
-    force[1] = neg_mul_add(lumbrical_11, lumbrical_7, neg_mul_add(edc_9, edc_5, pip_5));
-    let dip_2 = mcp_3 * mcp_7;
-    let dip_3 = mul_add(mcp_9, mcp_7, mcp_10);
+    force[1] = neg_mul_add(lumbrical_11, lumbrical_7, pip_1);
     let fdp_12 = L::splat(1.0) / fdp_6;
     let fdp_13 = fdp_12
         * mul_add(L::splat(6.8000000000000094e-6), sin_dip, L::splat(7.69e-5) * cos_dip);
-    let dip_4 = neg_mul_add(fdp_13, fdp_7, neg_mul_add(dip_3, dip_1, dip_2 * pip_1));
     let lumbrical_12 = L::splat(1.0) / lumbrical_6;
     let lumbrical_13 = lumbrical_12
         * mul_sub(
@@ -567,308 +408,74 @@ pub fn evaluate_with_matrix(
             sin_dip,
             L::splat(2.600000000000001e-5) * cos_dip,
         );
-    force[2] = neg_mul_add(lumbrical_13, lumbrical_7, dip_4);
-    let fdp_14 = L::splat(0.25) * h;
-    let fdp_15 = fdp_14 * fdp_7;
-    let fdp_16 = fdp_14 * c_1;
-    let fdp_17 = neg_mul_add(
-        fdp_8 * mul_add(fdp_9, fdp_9, fdp_1),
-        fdp_15,
-        fdp_9 * (fdp_9 * fdp_16),
-    );
-    let mcp_20 = mcp_17 + mcp_6;
-    let mcp_21 = L::splat(1.0) / h;
-    let fds_10 = fdp_14 * fds_5;
-    let fds_11 = mul_add(
-        fds_6 * neg_mul_add(fds_7, fds_7, fds_1),
-        fds_10,
-        fds_7 * (fds_7 * fdp_16),
-    );
-    let edc_10 = fdp_14 * edc_5;
-    let edc_11 = fdp_14 * c_0;
-    let edc_12 = mul_add(
-        edc_6 * neg_mul_add(edc_7, edc_7, edc_1),
-        edc_10,
-        edc_7 * (edc_7 * edc_11),
-    );
-    let mcp_22 = fds_11
-        + mul_add(L::splat(6.108011569195822e-6) + mcp_20, mcp_21, fdp_17) + edc_12;
-    let lumbrical_14 = fdp_14 * lumbrical_7;
-    let lumbrical_15 = fdp_14 * c_2;
-    let lumbrical_16 = neg_mul_add(
-        lumbrical_8 * mul_add(lumbrical_9, lumbrical_9, lumbrical_1),
-        lumbrical_14,
-        lumbrical_9 * (lumbrical_9 * lumbrical_15),
-    );
-    matrix[0] = -(lumbrical_16 + mcp_22);
-    let mcp_23 = mcp_15 + mcp_2;
-    let mcp_24 = mcp_21 * neg_mul_add(L::splat(0.039799999999999995), mcp_23, mcp_20);
-    let mcp_25 = neg_mul_add(
-        pip_4,
-        mcp_16 + mcp_5,
-        L::splat(0.039799999999999995) * pip_3,
-    );
-    let fdp_18 = fdp_11 * fdp_16;
-    let fds_12 = fds_9 * fdp_16;
-    let mcp_26 = mul_add(
-        fds_7,
-        fds_12,
-        mul_add(fdp_9, fdp_18, mul_add(L::splat(0.5), mcp_25, mcp_24)),
-    );
-    let edc_13 = edc_9 * edc_11;
-    let lumbrical_17 = lumbrical_11 * lumbrical_15;
-    matrix[1] = -mul_add(lumbrical_9, lumbrical_17, mul_add(edc_7, edc_13, mcp_26));
-    let mcp_27 = mul_add(dip_2, mcp_2, dip_3 * mcp_5)
-        + mul_sub(mcp_3, pip_1, mcp_9 * dip_1);
-    let mcp_28 = mcp_21 * (mcp_6 + mul_sub(mcp_9, mcp_2, mcp_3 * mcp_5));
-    let fdp_19 = fdp_13 * fdp_16;
-    let lumbrical_18 = lumbrical_13 * lumbrical_15;
-    let mcp_29 = mul_add(
-        lumbrical_9,
-        lumbrical_18,
-        mul_add(fdp_9, fdp_19, mul_add(L::splat(0.5), mcp_27, mcp_28)),
-    );
-    matrix[2] = -mcp_29;
-    let pip_6 = neg_mul_add(
-        fds_7,
-        fds_12,
-        neg_mul_add(fdp_9, fdp_18, mul_sub(L::splat(0.5), mcp_25, mcp_24)),
-    );
-    matrix[3] = neg_mul_add(
-        lumbrical_9,
-        lumbrical_17,
-        neg_mul_add(edc_7, edc_13, pip_6),
-    );
-    let pip_7 = mul_add(
-        pip_4,
-        fdp_14 * mul_sub(L::splat(0.00030365844164887296), v_mcp, pip_2),
-        mul_sub(
-            L::splat(0.039799999999999995),
-            mcp_21 * (L::splat(-0.00030365844164887296) + mcp_23),
-            mcp_24,
-        ),
-    );
-    let fdp_20 = neg_mul_add(
-        fdp_10 * mul_add(fdp_11, fdp_11, fdp_3),
-        fdp_15,
-        fdp_11 * fdp_18,
-    );
-    let fds_13 = neg_mul_add(
-        fds_8 * mul_add(fds_9, fds_9, fds_3),
-        fds_10,
-        fds_9 * fds_12,
-    );
-    let edc_14 = mul_add(
-        edc_8 * neg_mul_add(edc_9, edc_9, edc_3),
-        edc_10,
-        edc_9 * edc_13,
-    );
-    let lumbrical_19 = mul_add(
-        lumbrical_11,
-        lumbrical_17,
-        lumbrical_10 * neg_mul_add(lumbrical_11, lumbrical_11, lumbrical_3)
-            * lumbrical_14,
-    );
-    matrix[4] = pip_7 - fdp_20 - fds_13 - edc_14 - lumbrical_19;
-    let pip_8 = mcp_21 * mul_add(L::splat(0.0026754431356501404), mcp_9, mcp_2);
-    let pip_9 = fdp_14 * mul_add(L::splat(0.0026754431356501404), dip_3, pip_1);
-    let pip_10 = neg_mul_add(
-        pip_4,
-        pip_9,
-        mul_sub(L::splat(0.039799999999999995), pip_8, mcp_28),
-    );
-    let pip_11 = mul_add(L::splat(0.0026754431356501404), dip_2, dip_1);
-    let pip_12 = mul_sub(L::splat(5.9929926238563145e-5), sin_pip, mcp_5);
-    let pip_13 = neg_mul_add(
-        pip_4,
-        pip_12,
-        neg_mul_add(L::splat(0.039799999999999995), pip_11, mcp_27),
-    );
-    matrix[5] = neg_mul_add(
-        lumbrical_11,
-        lumbrical_18,
-        neg_mul_add(fdp_11, fdp_19, neg_mul_add(L::splat(0.5), pip_13, pip_10)),
-    );
-    matrix[6] = neg_mul_add(
-        lumbrical_9,
-        lumbrical_18,
-        neg_mul_add(fdp_9, fdp_19, mul_sub(L::splat(0.5), mcp_27, mcp_28)),
-    );
-    matrix[7] = neg_mul_add(
-        lumbrical_11,
-        lumbrical_18,
-        neg_mul_add(fdp_11, fdp_19, mul_add(L::splat(0.5), pip_13, pip_10)),
-    );
-    let dip_5 = mcp_28 + mul_add(mcp_3, mcp_21 * pip_12, mcp_9 * pip_8);
-    let dip_6 = mul_add(dip_3, pip_9, dip_2 * (fdp_14 * pip_11)) - dip_5;
-    let fdp_21 = mul_add(
-        fdp_12 * neg_mul_add(fdp_13, fdp_13, fdp_5),
-        fdp_15,
-        fdp_13 * fdp_19,
-    );
-    let lumbrical_20 = mul_add(
-        lumbrical_12 * neg_mul_add(lumbrical_13, lumbrical_13, lumbrical_5),
-        lumbrical_14,
-        lumbrical_13 * lumbrical_18,
-=======
-    let mcp_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
-    let mcp_2 = 2.113600077163611e-5 * mcp_1;
-    let mcp_3 = v_mcp + v_pip;
-    let mcp_4 = v_dip + mcp_3;
-    let mcp_5 = mcp_4 * mcp_2;
-    let mcp_6 = 0.0224 * sin_pip;
-    let mcp_7 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
-    let mcp_8 = 2.113600077163611e-5 * mcp_7;
-    let mcp_9 = mcp_4 * mcp_8;
-    let mcp_10 = 0.0224 * cos_pip;
-    let mcp_11 = 0.0001154165848898187 * cos_pip;
-    let mcp_12 = 0.039799999999999995 * v_mcp;
-    let mcp_13 = mul_add(mcp_12, mcp_11, mul_add(mcp_10, mcp_9, mcp_6 * mcp_5));
-    let mcp_14 = mcp_3 * mcp_10;
-    let mcp_15 = mcp_12 + mcp_14;
-    let mcp_16 = mcp_3 * mcp_6;
-    let mcp_17 = mul_add(
-        2.5540671987294797e-7,
-        mcp_4,
-        mul_add(mcp_15, mcp_8, mcp_16 * mcp_2),
-    );
-    let mcp_18 = mcp_17 + mul_add(2.2502977721519766e-6, mcp_3, mcp_13);
-    let mcp_19 = mcp_3 * mcp_11;
-    let mcp_20 = mcp_19 + mcp_9;
-    momentum[coordinate::MCP] = mcp_18
-        + mul_add(0.039799999999999995, mcp_20, 1.8193617546820962e-5 * v_mcp);
-    momentum[coordinate::PIP] = mcp_18;
-    momentum[coordinate::DIP] = mcp_17;
-    let mcp_21 = mcp_16 * mcp_9;
-    let mcp_22 = mcp_3 * (0.0001154165848898187 * sin_pip);
-    let mcp_23 = neg_mul_add(mcp_15, mcp_5, mcp_21);
-    let mcp_24 = mcp_23 + neg_mul_add(mcp_12, mcp_22, mul_sub(mcp_14, mcp_5, mcp_21));
-    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = mul_add(6.800000000000003e-5, cos_mcp, 0.000504 * sin_mcp);
-    let fdp_2 = sqrt(0.000509 + fdp_1);
-    let fdp_3 = mul_add(6.119999999999986e-5, cos_pip, 0.0003437999999999999 * sin_pip);
-    let fdp_4 = sqrt(0.00035188999999999983 + fdp_3);
-    let fdp_5 = mul_sub(1.3600000000000019e-5, cos_dip, 0.0001538 * sin_dip);
-    let fdp_6 = sqrt(0.00015621 - fdp_5);
-    let fdp_7 = k_flexor * (0.07161627512154058 + fdp_2 + fdp_4 + fdp_6 - rest_fdp);
-    let fdp_8 = 1.0 / fdp_2;
-    let fdp_9 = fdp_8 * neg_mul_add(3.400000000000001e-5, sin_mcp, 0.000252 * cos_mcp);
-    let mcp_25 = neg_mul_add(fdp_9, fdp_7, mul_add(mcp_12, mcp_22 + mcp_5, mcp_24));
-    let fds_1 = mul_sub(2.3999999999999987e-5, cos_mcp, 0.0006000000000000001 * sin_mcp);
-    let fds_2 = sqrt(0.000601 - fds_1);
-    let fds_3 = mul_add(7.759999999999983e-5, cos_pip, 0.0003927999999999999 * sin_pip);
-    let fds_4 = sqrt(0.0004016399999999999 + fds_3);
-    let fds_5 = k_flexor * (0.06512765830525491 + fds_2 + fds_4 - rest_fds);
-    let fds_6 = 1.0 / fds_2;
-    let fds_7 = fds_6
-        * mul_add(1.1999999999999994e-5, sin_mcp, 0.00030000000000000003 * cos_mcp);
-    let edc_1 = mul_add(0.000213, cos_mcp, 0.000129 * sin_mcp);
-    let edc_2 = sqrt(0.00024925 - edc_1);
-    let edc_3 = mul_add(0.000154, cos_pip, 7.199999999999991e-5 * sin_pip);
-    let edc_4 = sqrt(0.00016999999999999996 - edc_3);
-    let edc_5 = k_extensor * (0.09184108383968201 + edc_2 + edc_4 - rest_edc);
-    let edc_6 = 1.0 / edc_2;
-    let edc_7 = edc_6 * mul_sub(0.0001065, sin_mcp, 6.45e-5 * cos_mcp);
-    let lumbrical_1 = mul_add(6.8e-5, cos_mcp, 0.000176 * sin_mcp);
-    let lumbrical_2 = sqrt(0.00018899999999999999 + lumbrical_1);
-    let lumbrical_3 = mul_add(
-        5.4000000000000025e-5,
-        cos_pip,
-        7.199999999999995e-5 * sin_pip,
-    );
-    let lumbrical_4 = sqrt(8.999999999999998e-5 - lumbrical_3);
-    let lumbrical_5 = mul_add(
-        7.649999999999999e-5,
-        cos_dip,
-        5.200000000000002e-5 * sin_dip,
-    );
-    let lumbrical_6 = sqrt(9.25e-5 - lumbrical_5);
-    let lumbrical_7 = k_lumbrical
-        * (0.09024829243194461 + lumbrical_2 + lumbrical_4 + lumbrical_6
-            - rest_lumbrical);
-    let lumbrical_8 = 1.0 / lumbrical_2;
-    let lumbrical_9 = lumbrical_8 * neg_mul_add(3.4e-5, sin_mcp, 8.8e-5 * cos_mcp);
-    force[coordinate::MCP] = neg_mul_add(
-        lumbrical_9,
-        lumbrical_7,
-        neg_mul_add(edc_7, edc_5, neg_mul_add(fds_7, fds_5, mcp_25)),
-    );
-    let fdp_10 = 1.0 / fdp_4;
-    let fdp_11 = fdp_10
-        * neg_mul_add(3.059999999999993e-5, sin_pip, 0.00017189999999999995 * cos_pip);
-    let fds_8 = 1.0 / fds_4;
-    let fds_9 = fds_8
-        * neg_mul_add(3.879999999999991e-5, sin_pip, 0.00019639999999999995 * cos_pip);
-    let edc_8 = 1.0 / edc_4;
-    let edc_9 = edc_8 * mul_sub(7.7e-5, sin_pip, 3.5999999999999953e-5 * cos_pip);
-    let pip_1 = neg_mul_add(
-        edc_9,
-        edc_5,
-        neg_mul_add(fds_9, fds_5, neg_mul_add(fdp_11, fdp_7, mcp_24)),
-    );
-    let lumbrical_10 = 1.0 / lumbrical_4;
-    let lumbrical_11 = lumbrical_10
-        * mul_sub(2.7000000000000013e-5, sin_pip, 3.5999999999999974e-5 * cos_pip);
-    force[coordinate::PIP] = neg_mul_add(lumbrical_11, lumbrical_7, pip_1);
-    let fdp_12 = 1.0 / fdp_6;
-    let fdp_13 = fdp_12 * mul_add(6.8000000000000094e-6, sin_dip, 7.69e-5 * cos_dip);
-    let lumbrical_12 = 1.0 / lumbrical_6;
-    let lumbrical_13 = lumbrical_12
-        * mul_sub(3.8249999999999995e-5, sin_dip, 2.600000000000001e-5 * cos_dip);
-    force[coordinate::DIP] = neg_mul_add(
+    force[2] = neg_mul_add(
         lumbrical_13,
         lumbrical_7,
         neg_mul_add(fdp_13, fdp_7, mcp_23),
->>>>>>> work-a
     );
     let mcp_26 = mcp_16 * mcp_5;
     let mcp_27 = mul_add(mcp_14, mcp_9, mcp_26);
-    let fdp_14 = 0.25 * h;
-    let mcp_28 = 1.0 / h;
+    let fdp_14 = L::splat(0.25) * h;
+    let mcp_28 = L::splat(1.0) / h;
     let mcp_29 = mul_sub(fdp_14, mcp_27, mcp_28 * mul_add(mcp_10, mcp_8, mcp_6 * mcp_2));
     let mcp_30 = mcp_12 * mcp_19;
     let mcp_31 = mcp_29
-        - mul_add(fdp_14, mcp_30 + mcp_27, 2.2502977721519766e-6 * mcp_28);
+        - mul_add(fdp_14, mcp_30 + mcp_27, L::splat(2.2502977721519766e-6) * mcp_28);
     let mcp_32 = mul_add(
         fdp_14,
         mul_add(mcp_15, mcp_9, mcp_26),
-        2.5540671987294797e-7 * mcp_28,
+        L::splat(2.5540671987294797e-7) * mcp_28,
     );
     let mcp_33 = mcp_29 - mcp_32;
     let mcp_34 = mcp_31 + mcp_33;
     let mcp_35 = mul_sub(
         fdp_14,
         mcp_12 * mcp_9,
-        mcp_28 * (8.412128307111171e-7 * mcp_7),
+        mcp_28 * (L::splat(8.412128307111171e-7) * mcp_7),
     );
-    let mcp_36 = mul_sub(fdp_14, mcp_30, mcp_28 * (4.593580078614784e-6 * cos_pip))
-        + mcp_35;
+    let mcp_36 = mul_sub(
+        fdp_14,
+        mcp_30,
+        mcp_28 * (L::splat(4.593580078614784e-6) * cos_pip),
+    ) + mcp_35;
     let mcp_37 = mcp_36 + mcp_34;
     let mcp_38 = mcp_36
-        - mul_add(fdp_14, mcp_12 * mcp_20, 1.8193617546820962e-5 * mcp_28);
+        - mul_add(fdp_14, mcp_12 * mcp_20, L::splat(1.8193617546820962e-5) * mcp_28);
     let fdp_15 = fdp_14 * fdp_7;
     let fdp_16 = fdp_8 * fdp_15;
-    let fdp_17 = k_flexor * fdp_14;
-    let fdp_18 = mul_sub(fdp_9, fdp_9 * (fdp_17 - fdp_16), 0.5 * fdp_1 * fdp_16);
+    let fdp_17 = fdp_14 * c_2;
+    let fdp_18 = neg_mul_add(
+        L::splat(0.5) * fdp_1,
+        fdp_16,
+        fdp_9 * (fdp_9 * (fdp_17 - fdp_16)),
+    );
     let fds_10 = fdp_14 * fds_5;
     let fds_11 = fds_6 * fds_10;
-    let fds_12 = mul_add(fds_7, fds_7 * (fdp_17 - fds_11), 0.5 * fds_1 * fds_11);
+    let fds_12 = mul_add(
+        L::splat(0.5) * fds_1,
+        fds_11,
+        fds_7 * (fds_7 * (fdp_17 - fds_11)),
+    );
     let edc_10 = fdp_14 * edc_5;
     let edc_11 = edc_6 * edc_10;
-    let edc_12 = k_extensor * fdp_14;
-    let edc_13 = mul_add(edc_7, edc_7 * (edc_12 - edc_11), 0.5 * edc_1 * edc_11);
+    let edc_12 = fdp_14 * c_1;
+    let edc_13 = mul_add(
+        edc_7,
+        edc_7 * (edc_12 - edc_11),
+        L::splat(0.5) * edc_1 * edc_11,
+    );
     let lumbrical_14 = fdp_14 * lumbrical_7;
     let lumbrical_15 = lumbrical_8 * lumbrical_14;
-    let lumbrical_16 = k_lumbrical * fdp_14;
-    let lumbrical_17 = mul_sub(
-        lumbrical_9,
-        lumbrical_9 * (lumbrical_16 - lumbrical_15),
-        0.5 * lumbrical_1 * lumbrical_15,
+    let lumbrical_16 = fdp_14 * c_0;
+    let lumbrical_17 = neg_mul_add(
+        L::splat(0.5) * lumbrical_1,
+        lumbrical_15,
+        lumbrical_9 * (lumbrical_9 * (lumbrical_16 - lumbrical_15)),
     );
     matrix[0] = mcp_38 + mcp_37 - fdp_18 - fds_12 - edc_13 - lumbrical_17;
     let mcp_39 = neg_mul_add(
         fds_7,
-        fdp_17 * fds_9,
+        fds_9 * fdp_17,
         neg_mul_add(fdp_9, fdp_11 * fdp_17, mcp_37),
     );
     let mcp_40 = neg_mul_add(
@@ -876,8 +483,13 @@ pub fn evaluate_with_matrix(
         lumbrical_11 * lumbrical_16,
         neg_mul_add(edc_7, edc_9 * edc_12, mcp_39),
     );
-    let mcp_41 = 8.412128307111171e-7 * mcp_1 * (0.5 * (v_mcp + mcp_4));
-    let mcp_42 = mul_add(4.593580078614784e-6 * sin_pip, 0.5 * (v_mcp + mcp_3), mcp_41);
+    let mcp_41 = L::splat(8.412128307111171e-7) * mcp_1
+        * (L::splat(0.5) * (v_mcp + mcp_4));
+    let mcp_42 = mul_add(
+        L::splat(4.593580078614784e-6) * sin_pip,
+        L::splat(0.5) * (v_mcp + mcp_3),
+        mcp_41,
+    );
     matrix[1] = mcp_42 + mcp_40;
     let fdp_19 = fdp_13 * fdp_17;
     let lumbrical_18 = lumbrical_13 * lumbrical_16;
@@ -886,21 +498,34 @@ pub fn evaluate_with_matrix(
         lumbrical_18,
         neg_mul_add(fdp_9, fdp_19, mcp_35 + mcp_33),
     );
-    let mcp_44 = mul_sub(mcp_10, mcp_2, mcp_6 * mcp_8) * (0.5 * (mcp_3 + mcp_4));
+    let mcp_44 = mul_sub(mcp_10, mcp_2, mcp_6 * mcp_8)
+        * (L::splat(0.5) * (mcp_3 + mcp_4));
     let mcp_45 = mcp_41 + mcp_44;
     matrix[2] = mcp_45 + mcp_43;
     matrix[3] = mcp_40 - mcp_42;
     let fdp_20 = fdp_10 * fdp_15;
-    let fdp_21 = mul_sub(fdp_11, fdp_11 * (fdp_17 - fdp_20), 0.5 * fdp_3 * fdp_20);
+    let fdp_21 = neg_mul_add(
+        L::splat(0.5) * fdp_3,
+        fdp_20,
+        fdp_11 * (fdp_11 * (fdp_17 - fdp_20)),
+    );
     let fds_13 = fds_8 * fds_10;
-    let fds_14 = mul_sub(fds_9, fds_9 * (fdp_17 - fds_13), 0.5 * fds_3 * fds_13);
+    let fds_14 = neg_mul_add(
+        L::splat(0.5) * fds_3,
+        fds_13,
+        fds_9 * (fds_9 * (fdp_17 - fds_13)),
+    );
     let edc_14 = edc_8 * edc_10;
-    let edc_15 = mul_add(edc_9, edc_9 * (edc_12 - edc_14), 0.5 * edc_3 * edc_14);
+    let edc_15 = mul_add(
+        edc_9,
+        edc_9 * (edc_12 - edc_14),
+        L::splat(0.5) * edc_3 * edc_14,
+    );
     let lumbrical_19 = lumbrical_10 * lumbrical_14;
     let lumbrical_20 = mul_add(
-        lumbrical_11,
-        lumbrical_11 * (lumbrical_16 - lumbrical_19),
-        0.5 * lumbrical_3 * lumbrical_19,
+        L::splat(0.5) * lumbrical_3,
+        lumbrical_19,
+        lumbrical_11 * (lumbrical_11 * (lumbrical_16 - lumbrical_19)),
     );
     matrix[4] = mcp_34 - fdp_21 - fds_14 - edc_15 - lumbrical_20;
     let pip_2 = neg_mul_add(
@@ -912,14 +537,18 @@ pub fn evaluate_with_matrix(
     matrix[6] = mcp_43 - mcp_45;
     matrix[7] = pip_2 - mcp_44;
     let fdp_22 = fdp_12 * fdp_15;
-    let fdp_23 = mul_add(fdp_13, fdp_13 * (fdp_17 - fdp_22), 0.5 * fdp_5 * fdp_22);
+    let fdp_23 = mul_add(
+        fdp_13,
+        fdp_13 * (fdp_17 - fdp_22),
+        L::splat(0.5) * fdp_5 * fdp_22,
+    );
     let lumbrical_21 = lumbrical_12 * lumbrical_14;
     let lumbrical_22 = mul_add(
         lumbrical_13,
         lumbrical_13 * (lumbrical_16 - lumbrical_21),
-        0.5 * lumbrical_5 * lumbrical_21,
+        L::splat(0.5) * lumbrical_5 * lumbrical_21,
     );
-    matrix[8] = -(lumbrical_22 + (fdp_23 + mcp_32));
+    matrix[8] = -(mcp_32 + fdp_23 + lumbrical_22);
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -930,77 +559,28 @@ pub fn evaluate_with_matrix(
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
-<<<<<<< HEAD
-/// 54 operations: 8 sums, 12 products, 16 products with sum, 2 sines and cosines.
+/// 25 operations: 7 sums, 8 products, 4 products with sum, 2 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 3], matrix: &mut [L; 9]) {
     let q_pip = q[1];
     let q_dip = q[2];
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let mcp_1 = mul_add(
-        L::splat(0.0079),
-        mul_sub(cos_pip, cos_dip, sin_pip * sin_dip),
-        mul_add(L::splat(0.0224), cos_pip, L::splat(0.039799999999999995)),
-    );
-    let mcp_2 = L::splat(0.0026754431356501404) * mcp_1;
-    let mcp_3 = L::splat(0.0224) * sin_pip;
-    let mcp_4 = mul_add(
-        L::splat(0.0079),
-        mul_add(sin_pip, cos_dip, cos_pip * sin_dip),
-        mcp_3,
-    );
-    let mcp_5 = L::splat(0.0026754431356501404) * mcp_4;
-    let mcp_6 = L::splat(8.843231377702265e-8) + mul_add(mcp_1, mcp_2, mcp_4 * mcp_5);
-    let mcp_7 = mul_add(L::splat(0.0112), cos_pip, L::splat(0.039799999999999995));
-    let mcp_8 = L::splat(0.0049541659510049605) * mcp_7;
-    let mcp_9 = mul_add(
-        mcp_7,
-        mcp_8,
-        L::splat(0.0112) * sin_pip * (L::splat(5.5486658651255556e-5) * sin_pip),
-    );
-    let mcp_10 = L::splat(2.8641684751410007e-7) + mcp_9 + mcp_6;
-    matrix[0] = L::splat(6.108011569195822e-6) + mcp_10;
-    let mcp_11 = mcp_8 + mcp_2;
-    let mcp_12 = neg_mul_add(L::splat(0.039799999999999995), mcp_11, mcp_10);
-    matrix[1] = mcp_12;
-    let mcp_13 = neg_mul_add(L::splat(0.0224), cos_pip, L::splat(-0.039799999999999995));
-    let mcp_14 = mcp_6 + mul_sub(mcp_13, mcp_2, mcp_3 * mcp_5);
-    matrix[2] = mcp_14;
-    matrix[3] = mcp_12;
-    matrix[4] = neg_mul_add(
-        L::splat(0.039799999999999995),
-        L::splat(-0.00030365844164887296) + mcp_11,
-        mcp_12,
-    );
-    let pip_1 = mul_add(L::splat(0.0026754431356501404), mcp_13, mcp_2);
-    let pip_2 = neg_mul_add(L::splat(0.039799999999999995), pip_1, mcp_14);
-    matrix[5] = pip_2;
-    matrix[6] = mcp_14;
-    matrix[7] = pip_2;
-    let dip_1 = mul_add(
-        mcp_3,
-        mul_sub(L::splat(5.9929926238563145e-5), sin_pip, mcp_5),
-        mcp_13 * pip_1,
-    );
-    matrix[8] = mcp_14 + dip_1;
-=======
-/// 25 operations: 7 sums, 8 products, 4 products with sum, 2 sines and cosines.
-pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
-    let q_pip = q[coordinate::PIP];
-    let q_dip = q[coordinate::DIP];
-    let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let mcp_1 = 0.0224 * sin_pip
-        * (2.113600077163611e-5 * mul_add(sin_pip, cos_dip, cos_pip * sin_dip));
+    let mcp_1 = L::splat(0.0224) * sin_pip
+        * (L::splat(2.113600077163611e-5)
+            * mul_add(sin_pip, cos_dip, cos_pip * sin_dip));
     let mcp_2 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
-    let mcp_3 = mul_add(0.0224 * cos_pip, 2.113600077163611e-5 * mcp_2, mcp_1);
-    let mcp_4 = 2.5540671987294797e-7 + mcp_3;
-    let mcp_5 = 2.2502977721519766e-6 + mcp_3 + mcp_4;
-    let mcp_6 = 8.412128307111171e-7 * mcp_2;
-    let mcp_7 = mul_add(4.593580078614784e-6, cos_pip, mcp_6);
+    let mcp_3 = mul_add(
+        L::splat(0.0224) * cos_pip,
+        L::splat(2.113600077163611e-5) * mcp_2,
+        mcp_1,
+    );
+    let mcp_4 = L::splat(2.5540671987294797e-7) + mcp_3;
+    let mcp_5 = L::splat(2.2502977721519766e-6) + mcp_3 + mcp_4;
+    let mcp_6 = L::splat(8.412128307111171e-7) * mcp_2;
+    let mcp_7 = mul_add(L::splat(4.593580078614784e-6), cos_pip, mcp_6);
     let mcp_8 = mcp_7 + mcp_5;
-    matrix[0] = 1.8193617546820962e-5 + mcp_7 + mcp_8;
+    matrix[0] = L::splat(1.8193617546820962e-5) + mcp_7 + mcp_8;
     matrix[1] = mcp_8;
     let mcp_9 = mcp_6 + mcp_4;
     matrix[2] = mcp_9;
@@ -1009,8 +589,7 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     matrix[5] = mcp_4;
     matrix[6] = mcp_9;
     matrix[7] = mcp_4;
-    matrix[8] = 2.5540671987294797e-7;
->>>>>>> work-a
+    matrix[8] = L::splat(2.5540671987294797e-7);
 }
 
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
@@ -1021,90 +600,91 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
-/// 73 operations: 10 sums, 10 products, 20 products with sum, 10 roots, 3 sines and cosines.
+/// 63 operations: 20 sums, 10 products, 10 products with sum, 10 roots, 3 sines and cosines.
 #[inline(always)]
 pub fn lengths<L: Lane>(q: &[L; 3], lengths: &mut [L; 4]) {
     let q_mcp = q[0];
     let q_pip = q[1];
     let q_dip = q[2];
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(3.400000000000001e-5), cos_mcp, L::splat(0.000252) * sin_mcp),
-        L::splat(0.000509),
+    let fdp_1 = sqrt(
+        L::splat(0.000509)
+            + mul_add(
+                L::splat(6.800000000000003e-5),
+                cos_mcp,
+                L::splat(0.000504) * sin_mcp,
+            ),
     );
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let fdp_2 = mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(3.059999999999993e-5),
-            cos_pip,
-            L::splat(0.00017189999999999995) * sin_pip,
-        ),
-        L::splat(0.00035188999999999983),
+    let fdp_2 = sqrt(
+        L::splat(0.00035188999999999983)
+            + mul_add(
+                L::splat(6.119999999999986e-5),
+                cos_pip,
+                L::splat(0.0003437999999999999) * sin_pip,
+            ),
     );
     let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let fdp_3 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(L::splat(6.8000000000000094e-6), cos_dip, L::splat(7.69e-5) * sin_dip),
-        L::splat(0.00015621),
+    let fdp_3 = sqrt(
+        L::splat(0.00015621)
+            - mul_sub(
+                L::splat(1.3600000000000019e-5),
+                cos_dip,
+                L::splat(0.0001538) * sin_dip,
+            ),
     );
-    lengths[0] = L::splat(0.07161627512154058) + sqrt(fdp_1) + sqrt(fdp_2) + sqrt(fdp_3);
-    let fds_1 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(1.1999999999999994e-5),
-            cos_mcp,
-            L::splat(0.00030000000000000003) * sin_mcp,
-        ),
-        L::splat(0.000601),
+    lengths[0] = L::splat(0.07161627512154058) + fdp_1 + fdp_2 + fdp_3;
+    let fds_1 = sqrt(
+        L::splat(0.000601)
+            - mul_sub(
+                L::splat(2.3999999999999987e-5),
+                cos_mcp,
+                L::splat(0.0006000000000000001) * sin_mcp,
+            ),
     );
-    let fds_2 = mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(3.879999999999991e-5),
-            cos_pip,
-            L::splat(0.00019639999999999995) * sin_pip,
-        ),
-        L::splat(0.0004016399999999999),
+    let fds_2 = sqrt(
+        L::splat(0.0004016399999999999)
+            + mul_add(
+                L::splat(7.759999999999983e-5),
+                cos_pip,
+                L::splat(0.0003927999999999999) * sin_pip,
+            ),
     );
-    lengths[1] = L::splat(0.06512765830525491) + sqrt(fds_1) + sqrt(fds_2);
-    let edc_1 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(0.0001065), cos_mcp, L::splat(6.45e-5) * sin_mcp),
-        L::splat(0.00024925),
+    lengths[1] = L::splat(0.06512765830525491) + fds_1 + fds_2;
+    let edc_1 = sqrt(
+        L::splat(0.00024925)
+            - mul_add(L::splat(0.000213), cos_mcp, L::splat(0.000129) * sin_mcp),
     );
-    let edc_2 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(7.7e-5), cos_pip, L::splat(3.5999999999999953e-5) * sin_pip),
-        L::splat(0.00016999999999999996),
+    let edc_2 = sqrt(
+        L::splat(0.00016999999999999996)
+            - mul_add(
+                L::splat(0.000154),
+                cos_pip,
+                L::splat(7.199999999999991e-5) * sin_pip,
+            ),
     );
-    lengths[2] = L::splat(0.09184108383968201) + sqrt(edc_1) + sqrt(edc_2);
-    let lumbrical_1 = mul_add(
-        L::splat(2.0),
-        mul_add(L::splat(3.4e-5), cos_mcp, L::splat(8.8e-5) * sin_mcp),
-        L::splat(0.00018899999999999999),
+    lengths[2] = L::splat(0.09184108383968201) + edc_1 + edc_2;
+    let lumbrical_1 = sqrt(
+        L::splat(0.00018899999999999999)
+            + mul_add(L::splat(6.8e-5), cos_mcp, L::splat(0.000176) * sin_mcp),
     );
-    let lumbrical_2 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(2.7000000000000013e-5),
-            cos_pip,
-            L::splat(3.5999999999999974e-5) * sin_pip,
-        ),
-        L::splat(8.999999999999998e-5),
+    let lumbrical_2 = sqrt(
+        L::splat(8.999999999999998e-5)
+            - mul_add(
+                L::splat(5.4000000000000025e-5),
+                cos_pip,
+                L::splat(7.199999999999995e-5) * sin_pip,
+            ),
     );
-    let lumbrical_3 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(3.8249999999999995e-5),
-            cos_dip,
-            L::splat(2.600000000000001e-5) * sin_dip,
-        ),
-        L::splat(9.25e-5),
+    let lumbrical_3 = sqrt(
+        L::splat(9.25e-5)
+            - mul_add(
+                L::splat(7.649999999999999e-5),
+                cos_dip,
+                L::splat(5.200000000000002e-5) * sin_dip,
+            ),
     );
-    lengths[3] = L::splat(0.09024829243194461) + sqrt(lumbrical_1) + sqrt(lumbrical_2)
-        + sqrt(lumbrical_3);
+    lengths[3] = L::splat(0.09024829243194461) + lumbrical_1 + lumbrical_2 + lumbrical_3;
 }
 
 /// Where the numbers of each block stand.
@@ -1121,9 +701,9 @@ pub static PLACES: [Place<3, 4, 0>; 1] = [
 pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 3]; 1] {
     [
         [
+            params[parameter::K_LUMBRICAL],
             params[parameter::K_EXTENSOR],
             params[parameter::K_FLEXOR],
-            params[parameter::K_LUMBRICAL],
         ],
     ]
 }

@@ -44,23 +44,11 @@ pub fn evaluate<L: Lane>(
     momentum[1] = -coupler_1;
     momentum[2] = L::splat(0.0090025) * v_rocker;
     let (sin_crank, cos_crank) = sin_cos(q_crank);
-<<<<<<< HEAD
     let crank_7 = L::splat(9.81) * cos_crank;
     let crank_8 = crank_3 * (L::splat(9.81) * sin_crank);
-    force[0] = neg_mul_add(L::splat(0.005000000000000001) + crank_2, crank_7, crank_8);
+    force[0] = neg_mul_add(crank_7, L::splat(0.005000000000000001) + crank_2, crank_8);
     force[1] = neg_mul_add(
         L::splat(0.1) * v_crank,
-=======
-    let crank_7 = 9.81 * cos_crank;
-    let crank_8 = crank_3 * (9.81 * sin_crank);
-    force[coordinate::CRANK] = neg_mul_add(
-        crank_7,
-        0.005000000000000001 + crank_2,
-        crank_8,
-    );
-    force[coordinate::COUPLER] = neg_mul_add(
-        0.1 * v_crank,
->>>>>>> work-a
         crank_5 * crank_3,
         mul_sub(
             L::splat(0.34335000000000004),
@@ -118,11 +106,7 @@ pub fn evaluate_with_matrix<L: Lane>(
     let crank_8 = L::splat(9.81) * cos_crank;
     let crank_9 = L::splat(9.81) * sin_crank;
     let crank_10 = crank_3 * crank_9;
-<<<<<<< HEAD
-    force[0] = neg_mul_add(crank_7, crank_8, crank_10);
-=======
-    force[coordinate::CRANK] = neg_mul_add(crank_8, crank_7, crank_10);
->>>>>>> work-a
+    force[0] = neg_mul_add(crank_8, crank_7, crank_10);
     let coupler_2 = crank_5 * crank_3;
     let coupler_3 = L::splat(0.1) * v_crank;
     force[1] = neg_mul_add(

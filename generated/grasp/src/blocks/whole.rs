@@ -15,8 +15,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-<<<<<<< HEAD
-/// 2167 operations: 240 sums, 577 products, 615 products with sum, 49 divisions, 49 roots, 22 sines and cosines.
+/// 1893 operations: 246 sums, 525 products, 501 products with sum, 49 divisions, 49 roots, 22 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 26],
@@ -102,289 +101,6 @@ pub fn evaluate<L: Lane>(
     let c_1 = L::load(&constants[1 * L::WIDTH..]);
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let c_3 = L::load(&constants[3 * L::WIDTH..]);
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_ab_1 = mul_sub(
-        cos_index_pip,
-        cos_index_dip,
-        sin_index_pip * sin_index_dip,
-    );
-    let index_ab_2 = mul_add(
-        L::splat(0.0224),
-        cos_index_pip,
-        L::splat(0.039799999999999995),
-    );
-    let index_ab_3 = mul_add(L::splat(0.0079), index_ab_1, index_ab_2);
-    let index_ab_4 = L::splat(0.0026754431356501404) * index_ab_3;
-    let index_ab_5 = mul_add(
-        sin_index_pip,
-        cos_index_dip,
-        cos_index_pip * sin_index_dip,
-    );
-    let index_ab_6 = neg_mul_add(
-        index_ab_5,
-        L::splat(2.2883956953594213e-8) * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, L::splat(8.843231377702265e-8)),
-    );
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_7 = v_index_ab * cos_index_mcp;
-    let index_ab_8 = L::splat(0.0224) * sin_index_pip;
-    let index_ab_9 = mul_add(L::splat(0.0079), index_ab_5, index_ab_8);
-    let index_ab_10 = L::splat(2.2883956953594213e-8) * index_ab_1;
-    let index_ab_11 = mul_add(index_ab_9, index_ab_4, index_ab_5 * index_ab_10);
-    let index_ab_12 = v_index_ab * sin_index_mcp;
-    let index_ab_13 = neg_mul_add(index_ab_12, index_ab_11, index_ab_7 * index_ab_6);
-    let index_ab_14 = mul_add(
-        L::splat(0.0112),
-        cos_index_pip,
-        L::splat(0.039799999999999995),
-    );
-    let index_ab_15 = L::splat(0.0049541659510049605) * index_ab_14;
-    let index_ab_16 = neg_mul_add(
-        sin_index_pip,
-        L::splat(1.2788353708194133e-7) * sin_index_pip,
-        mul_add(index_ab_14, index_ab_15, L::splat(2.8641684751410007e-7)),
-    );
-    let index_ab_17 = L::splat(0.0112) * sin_index_pip;
-    let index_ab_18 = L::splat(1.2788353708194133e-7) * cos_index_pip;
-    let index_ab_19 = mul_add(index_ab_17, index_ab_15, sin_index_pip * index_ab_18);
-    let index_ab_20 = neg_mul_add(index_ab_12, index_ab_19, index_ab_7 * index_ab_16)
-        + index_ab_13;
-    let index_ab_21 = mul_add(L::splat(6.108011569195822e-6), index_ab_7, index_ab_20);
-    let index_ab_22 = L::splat(0.0026754431356501404) * index_ab_9;
-    let index_ab_23 = index_ab_9 * index_ab_22;
-    let index_ab_24 = neg_mul_add(
-        index_ab_12,
-        neg_mul_add(
-            index_ab_1,
-            index_ab_10,
-            L::splat(8.843231377702265e-8) + index_ab_23,
-        ),
-        index_ab_7 * index_ab_11,
-    );
-    let index_ab_25 = L::splat(5.5486658651255556e-5) * sin_index_pip;
-    let index_ab_26 = index_ab_17 * index_ab_25;
-    let index_ab_27 = neg_mul_add(
-        index_ab_12,
-        neg_mul_add(
-            cos_index_pip,
-            index_ab_18,
-            L::splat(2.8641684751410007e-7) + index_ab_26,
-        ),
-        index_ab_7 * index_ab_19,
-    );
-    let index_ab_28 = index_ab_27 + index_ab_24;
-    let index_ab_29 = neg_mul_add(
-        L::splat(4.511964479704354e-7),
-        index_ab_12,
-        index_ab_28,
-    );
-    momentum[0] = neg_mul_add(sin_index_mcp, index_ab_29, cos_index_mcp * index_ab_21);
-    let index_mcp_1 = v_index_mcp + v_index_pip;
-    let index_mcp_2 = v_index_dip + index_mcp_1;
-    let index_mcp_3 = L::splat(0.039799999999999995) * v_index_pip;
-    let index_mcp_4 = mul_add(v_index_dip, index_ab_2, index_mcp_3);
-    let index_mcp_5 = v_index_dip * index_ab_8;
-    let index_mcp_6 = mul_sub(
-        index_mcp_2,
-        L::splat(8.843231377702265e-8) + mul_add(index_ab_3, index_ab_4, index_ab_23),
-        mul_add(index_mcp_5, index_ab_22, index_mcp_4 * index_ab_4),
-    );
-    let index_mcp_7 = mul_sub(
-        index_mcp_1,
-        L::splat(2.8641684751410007e-7) + mul_add(index_ab_14, index_ab_15, index_ab_26),
-        index_mcp_3 * index_ab_15,
-    );
-    let index_mcp_8 = index_mcp_7 + index_mcp_6;
-    momentum[1] = mul_add(L::splat(6.108011569195822e-6), v_index_mcp, index_mcp_8);
-    let index_pip_1 = mul_sub(
-        L::splat(0.0026754431356501404),
-        index_mcp_4,
-        index_mcp_2 * index_ab_4,
-    );
-    momentum[2] = mul_add(
-        L::splat(0.039799999999999995),
-        mul_sub(L::splat(0.0001971758048499974), v_index_pip, index_mcp_1 * index_ab_15)
-            + index_pip_1,
-        index_mcp_8,
-    );
-    let index_dip_1 = mul_sub(
-        L::splat(0.0026754431356501404),
-        index_mcp_5,
-        index_mcp_2 * index_ab_22,
-    );
-    momentum[3] = index_mcp_6
-        + mul_add(index_ab_8, index_dip_1, index_ab_2 * index_pip_1);
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_ab_1 = mul_sub(
-        cos_middle_pip,
-        cos_middle_dip,
-        sin_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_2 = mul_add(L::splat(0.0263), cos_middle_pip, L::splat(0.0446));
-    let middle_ab_3 = mul_add(L::splat(0.0087), middle_ab_1, middle_ab_2);
-    let middle_ab_4 = L::splat(0.0029463740860957233) * middle_ab_3;
-    let middle_ab_5 = mul_add(
-        sin_middle_pip,
-        cos_middle_dip,
-        cos_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_6 = neg_mul_add(
-        middle_ab_5,
-        L::splat(3.8243935637522495e-8) * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, L::splat(1.1043010074686771e-7)),
-    );
-    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_ab_7 = v_middle_ab * cos_middle_mcp;
-    let middle_ab_8 = L::splat(0.0263) * sin_middle_pip;
-    let middle_ab_9 = mul_add(L::splat(0.0087), middle_ab_5, middle_ab_8);
-    let middle_ab_10 = L::splat(3.8243935637522495e-8) * middle_ab_1;
-    let middle_ab_11 = mul_add(middle_ab_9, middle_ab_4, middle_ab_5 * middle_ab_10);
-    let middle_ab_12 = v_middle_ab * sin_middle_mcp;
-    let middle_ab_13 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_11,
-        middle_ab_7 * middle_ab_6,
-    );
-    let middle_ab_14 = mul_add(L::splat(0.01315), cos_middle_pip, L::splat(0.0446));
-    let middle_ab_15 = L::splat(0.005816721629974574) * middle_ab_14;
-    let middle_ab_16 = neg_mul_add(
-        sin_middle_pip,
-        L::splat(2.422131359401662e-7) * sin_middle_pip,
-        mul_add(middle_ab_14, middle_ab_15, L::splat(4.283482280993526e-7)),
-    );
-    let middle_ab_17 = L::splat(0.01315) * sin_middle_pip;
-    let middle_ab_18 = L::splat(2.422131359401662e-7) * cos_middle_pip;
-    let middle_ab_19 = mul_add(
-        middle_ab_17,
-        middle_ab_15,
-        sin_middle_pip * middle_ab_18,
-    );
-    let middle_ab_20 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_19,
-        middle_ab_7 * middle_ab_16,
-    ) + middle_ab_13;
-    let middle_ab_21 = mul_add(
-        L::splat(8.530529217154657e-6),
-        middle_ab_7,
-        middle_ab_20,
-    );
-    let middle_ab_22 = L::splat(0.0029463740860957233) * middle_ab_9;
-    let middle_ab_23 = middle_ab_9 * middle_ab_22;
-    let middle_ab_24 = neg_mul_add(
-        middle_ab_12,
-        neg_mul_add(
-            middle_ab_1,
-            middle_ab_10,
-            L::splat(1.1043010074686771e-7) + middle_ab_23,
-        ),
-        middle_ab_7 * middle_ab_11,
-    );
-    let middle_ab_25 = L::splat(7.648988943416565e-5) * sin_middle_pip;
-    let middle_ab_26 = middle_ab_17 * middle_ab_25;
-    let middle_ab_27 = neg_mul_add(
-        middle_ab_12,
-        neg_mul_add(
-            cos_middle_pip,
-            middle_ab_18,
-            L::splat(4.283482280993526e-7) + middle_ab_26,
-        ),
-        middle_ab_7 * middle_ab_19,
-    );
-    let middle_ab_28 = middle_ab_27 + middle_ab_24;
-    let middle_ab_29 = neg_mul_add(
-        L::splat(5.056120999869704e-7),
-        middle_ab_12,
-        middle_ab_28,
-    );
-    momentum[4] = neg_mul_add(
-=======
-/// 1893 operations: 246 sums, 525 products, 501 products with sum, 49 divisions, 49 roots, 22 sines and cosines.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-) {
-    let q_index_ab = q[coordinate::INDEX_AB];
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let q_middle_ab = q[coordinate::MIDDLE_AB];
-    let q_middle_mcp = q[coordinate::MIDDLE_MCP];
-    let q_middle_pip = q[coordinate::MIDDLE_PIP];
-    let q_middle_dip = q[coordinate::MIDDLE_DIP];
-    let q_ring_ab = q[coordinate::RING_AB];
-    let q_ring_mcp = q[coordinate::RING_MCP];
-    let q_ring_pip = q[coordinate::RING_PIP];
-    let q_ring_dip = q[coordinate::RING_DIP];
-    let q_little_ab = q[coordinate::LITTLE_AB];
-    let q_little_mcp = q[coordinate::LITTLE_MCP];
-    let q_little_pip = q[coordinate::LITTLE_PIP];
-    let q_little_dip = q[coordinate::LITTLE_DIP];
-    let q_thumb_ab = q[coordinate::THUMB_AB];
-    let q_thumb_cmc = q[coordinate::THUMB_CMC];
-    let q_thumb_mcp = q[coordinate::THUMB_MCP];
-    let q_thumb_ip = q[coordinate::THUMB_IP];
-    let q_ball_rx = q[coordinate::BALL_RX];
-    let q_ball_ry = q[coordinate::BALL_RY];
-    let v_index_ab = v[coordinate::INDEX_AB];
-    let v_index_mcp = v[coordinate::INDEX_MCP];
-    let v_index_pip = v[coordinate::INDEX_PIP];
-    let v_index_dip = v[coordinate::INDEX_DIP];
-    let v_middle_ab = v[coordinate::MIDDLE_AB];
-    let v_middle_mcp = v[coordinate::MIDDLE_MCP];
-    let v_middle_pip = v[coordinate::MIDDLE_PIP];
-    let v_middle_dip = v[coordinate::MIDDLE_DIP];
-    let v_ring_ab = v[coordinate::RING_AB];
-    let v_ring_mcp = v[coordinate::RING_MCP];
-    let v_ring_pip = v[coordinate::RING_PIP];
-    let v_ring_dip = v[coordinate::RING_DIP];
-    let v_little_ab = v[coordinate::LITTLE_AB];
-    let v_little_mcp = v[coordinate::LITTLE_MCP];
-    let v_little_pip = v[coordinate::LITTLE_PIP];
-    let v_little_dip = v[coordinate::LITTLE_DIP];
-    let v_thumb_ab = v[coordinate::THUMB_AB];
-    let v_thumb_cmc = v[coordinate::THUMB_CMC];
-    let v_thumb_mcp = v[coordinate::THUMB_MCP];
-    let v_thumb_ip = v[coordinate::THUMB_IP];
-    let v_ball_tx = v[coordinate::BALL_TX];
-    let v_ball_ty = v[coordinate::BALL_TY];
-    let v_ball_tz = v[coordinate::BALL_TZ];
-    let v_ball_rx = v[coordinate::BALL_RX];
-    let v_ball_ry = v[coordinate::BALL_RY];
-    let v_ball_rz = v[coordinate::BALL_RZ];
-    let k_flexor = params[parameter::K_FLEXOR];
-    let k_extensor = params[parameter::K_EXTENSOR];
-    let k_intrinsic = params[parameter::K_INTRINSIC];
-    let damping = params[parameter::DAMPING];
-    let rest_index_fdp = rest[strand::INDEX_FDP];
-    let rest_index_edc = rest[strand::INDEX_EDC];
-    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
-    let rest_index_band = rest[strand::INDEX_BAND];
-    let rest_middle_fdp = rest[strand::MIDDLE_FDP];
-    let rest_middle_edc = rest[strand::MIDDLE_EDC];
-    let rest_middle_interosseous = rest[strand::MIDDLE_INTEROSSEOUS];
-    let rest_middle_band = rest[strand::MIDDLE_BAND];
-    let rest_ring_fdp = rest[strand::RING_FDP];
-    let rest_ring_edc = rest[strand::RING_EDC];
-    let rest_ring_interosseous = rest[strand::RING_INTEROSSEOUS];
-    let rest_ring_band = rest[strand::RING_BAND];
-    let rest_little_fdp = rest[strand::LITTLE_FDP];
-    let rest_little_edc = rest[strand::LITTLE_EDC];
-    let rest_little_interosseous = rest[strand::LITTLE_INTEROSSEOUS];
-    let rest_little_band = rest[strand::LITTLE_BAND];
-    let rest_thumb_fpl = rest[strand::THUMB_FPL];
-    let rest_thumb_epl = rest[strand::THUMB_EPL];
-    let rest_thumb_epb = rest[strand::THUMB_EPB];
-    let rest_thumb_apl = rest[strand::THUMB_APL];
-    let rest_thumb_apb = rest[strand::THUMB_APB];
-    let rest_thumb_opp = rest[strand::THUMB_OPP];
-    let rest_thumb_adp = rest[strand::THUMB_ADP];
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
     let index_ab_1 = mul_add(
@@ -399,36 +115,39 @@ pub fn evaluate(
         sin_index_mcp * sin_index_pip,
     );
     let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
-    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
-    let index_ab_5 = 0.0224 * index_ab_2;
-    let index_ab_6 = 2.0917644617198177e-6 * index_ab_1;
+    let index_ab_4 = L::splat(2.113600077163611e-5) * index_ab_3;
+    let index_ab_5 = L::splat(0.0224) * index_ab_2;
+    let index_ab_6 = L::splat(2.0917644617198177e-6) * index_ab_1;
     let index_ab_7 = mul_add(
-        2.0,
+        L::splat(2.0),
         index_ab_5 * index_ab_4,
-        neg_mul_add(index_ab_1, index_ab_6, 1.0458822308599088e-6),
+        neg_mul_add(index_ab_1, index_ab_6, L::splat(1.0458822308599088e-6)),
     );
-    let index_ab_8 = 0.0001154165848898187 * index_ab_2;
-    let index_ab_9 = 0.039799999999999995 * cos_index_mcp;
-    let index_ab_10 = 1.7742421098850526e-5 * sin_index_mcp;
+    let index_ab_8 = L::splat(0.0001154165848898187) * index_ab_2;
+    let index_ab_9 = L::splat(0.039799999999999995) * cos_index_mcp;
+    let index_ab_10 = L::splat(1.7742421098850526e-5) * sin_index_mcp;
     let index_ab_11 = mul_add(
-        2.0,
+        L::splat(2.0),
         index_ab_9 * (index_ab_8 + index_ab_4),
-        neg_mul_add(sin_index_mcp, index_ab_10, 8.871210549425263e-6),
+        neg_mul_add(sin_index_mcp, index_ab_10, L::splat(8.871210549425263e-6)),
     );
     let index_ab_12 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
-    let index_ab_13 = 1.8985836304951953e-7 * index_ab_12;
-    let index_ab_14 = neg_mul_add(index_ab_12, index_ab_13, 9.492918152475976e-8)
-        + (1.0687300077035954e-5 + index_ab_11 + index_ab_7);
-    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_14;
+    let index_ab_13 = L::splat(1.8985836304951953e-7) * index_ab_12;
+    let index_ab_14 = neg_mul_add(
+        index_ab_12,
+        index_ab_13,
+        L::splat(9.492918152475976e-8),
+    ) + (L::splat(1.0687300077035954e-5) + index_ab_11 + index_ab_7);
+    momentum[0] = v_index_ab * index_ab_14;
     let index_mcp_1 = v_index_mcp + v_index_pip;
     let index_mcp_2 = v_index_dip + index_mcp_1;
     let index_mcp_3 = index_mcp_2 * index_ab_4;
-    let index_mcp_4 = 2.113600077163611e-5 * index_ab_12;
+    let index_mcp_4 = L::splat(2.113600077163611e-5) * index_ab_12;
     let index_mcp_5 = index_mcp_2 * index_mcp_4;
-    let index_mcp_6 = 0.0224 * index_ab_1;
+    let index_mcp_6 = L::splat(0.0224) * index_ab_1;
     let index_mcp_7 = v_index_mcp * index_ab_9;
-    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
-    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_8 = L::splat(0.0001154165848898187) * index_ab_1;
+    let index_mcp_9 = L::splat(0.039799999999999995) * sin_index_mcp;
     let index_mcp_10 = v_index_mcp * index_mcp_9;
     let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
         + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_8);
@@ -437,28 +156,27 @@ pub fn evaluate(
     let index_mcp_14 = index_mcp_1 * index_mcp_6;
     let index_mcp_15 = index_mcp_10 + index_mcp_14;
     let index_mcp_16 = mul_add(
-        2.5540671987294797e-7,
+        L::splat(2.5540671987294797e-7),
         index_mcp_2,
         mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
     );
     let index_mcp_17 = index_mcp_16
-        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
+        + mul_add(L::splat(2.2502977721519766e-6), index_mcp_1, index_mcp_11);
     let index_mcp_18 = index_mcp_1 * index_ab_8;
     let index_mcp_19 = index_mcp_18 + index_mcp_3;
     let index_mcp_20 = index_mcp_1 * index_mcp_8;
     let index_mcp_21 = index_mcp_20 + index_mcp_5;
     let index_mcp_22 = mul_add(
-        1.8193617546820962e-5,
+        L::splat(1.8193617546820962e-5),
         v_index_mcp,
         mul_add(index_mcp_9, index_mcp_21, index_ab_9 * index_mcp_19),
     );
-    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
-    momentum[coordinate::INDEX_PIP] = index_mcp_17;
-    momentum[coordinate::INDEX_DIP] = index_mcp_16;
+    momentum[1] = index_mcp_17 + index_mcp_22;
+    momentum[2] = index_mcp_17;
+    momentum[3] = index_mcp_16;
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let middle_ab_1 = mul_add(
->>>>>>> work-a
         sin_middle_mcp,
         cos_middle_pip,
         cos_middle_mcp * sin_middle_pip,
@@ -470,257 +188,43 @@ pub fn evaluate(
         sin_middle_mcp * sin_middle_pip,
     );
     let middle_ab_3 = mul_sub(cos_middle_dip, middle_ab_2, sin_middle_dip * middle_ab_1);
-    let middle_ab_4 = 2.5633454549032793e-5 * middle_ab_3;
-    let middle_ab_5 = 0.0263 * middle_ab_2;
-    let middle_ab_6 = 3.2860326736109956e-6 * middle_ab_1;
+    let middle_ab_4 = L::splat(2.5633454549032793e-5) * middle_ab_3;
+    let middle_ab_5 = L::splat(0.0263) * middle_ab_2;
+    let middle_ab_6 = L::splat(3.2860326736109956e-6) * middle_ab_1;
     let middle_ab_7 = mul_add(
-        2.0,
+        L::splat(2.0),
         middle_ab_5 * middle_ab_4,
-        neg_mul_add(middle_ab_1, middle_ab_6, 1.6430163368054978e-6),
+        neg_mul_add(middle_ab_1, middle_ab_6, L::splat(1.6430163368054978e-6)),
     );
-    let middle_ab_8 = 0.00015397952789848317 * middle_ab_2;
-    let middle_ab_9 = 0.0446 * cos_middle_mcp;
-    let middle_ab_10 = 2.5456116591746076e-5 * sin_middle_mcp;
+    let middle_ab_8 = L::splat(0.00015397952789848317) * middle_ab_2;
+    let middle_ab_9 = L::splat(0.0446) * cos_middle_mcp;
+    let middle_ab_10 = L::splat(2.5456116591746076e-5) * sin_middle_mcp;
     let middle_ab_11 = mul_add(
-        2.0,
+        L::splat(2.0),
         middle_ab_9 * (middle_ab_8 + middle_ab_4),
-        neg_mul_add(sin_middle_mcp, middle_ab_10, 1.2728058295873038e-5),
+        neg_mul_add(sin_middle_mcp, middle_ab_10, L::splat(1.2728058295873038e-5)),
     );
     let middle_ab_12 = mul_add(
         cos_middle_dip,
         middle_ab_1,
         sin_middle_dip * middle_ab_2,
     );
-    let middle_ab_13 = 2.612549902141078e-7 * middle_ab_12;
-    let middle_ab_14 = neg_mul_add(middle_ab_12, middle_ab_13, 1.306274951070539e-7)
-        + (1.5265635485041092e-5 + middle_ab_11 + middle_ab_7);
-    momentum[coordinate::MIDDLE_AB] = v_middle_ab * middle_ab_14;
+    let middle_ab_13 = L::splat(2.612549902141078e-7) * middle_ab_12;
+    let middle_ab_14 = neg_mul_add(
+        middle_ab_12,
+        middle_ab_13,
+        L::splat(1.306274951070539e-7),
+    ) + (L::splat(1.5265635485041092e-5) + middle_ab_11 + middle_ab_7);
+    momentum[4] = v_middle_ab * middle_ab_14;
     let middle_mcp_1 = v_middle_mcp + v_middle_pip;
     let middle_mcp_2 = v_middle_dip + middle_mcp_1;
-<<<<<<< HEAD
-    let middle_mcp_3 = L::splat(0.0446) * v_middle_pip;
-    let middle_mcp_4 = mul_add(v_middle_dip, middle_ab_2, middle_mcp_3);
-    let middle_mcp_5 = v_middle_dip * middle_ab_8;
-    let middle_mcp_6 = mul_sub(
-        middle_mcp_2,
-        L::splat(1.1043010074686771e-7)
-            + mul_add(middle_ab_3, middle_ab_4, middle_ab_23),
-        mul_add(middle_mcp_5, middle_ab_22, middle_mcp_4 * middle_ab_4),
-    );
-    let middle_mcp_7 = mul_sub(
-        middle_mcp_1,
-        L::splat(4.283482280993526e-7)
-            + mul_add(middle_ab_14, middle_ab_15, middle_ab_26),
-        middle_mcp_3 * middle_ab_15,
-    );
-    let middle_mcp_8 = middle_mcp_7 + middle_mcp_6;
-    momentum[5] = mul_add(L::splat(8.530529217154657e-6), v_middle_mcp, middle_mcp_8);
-    let middle_pip_1 = mul_sub(
-        L::splat(0.0029463740860957233),
-        middle_mcp_4,
-        middle_mcp_2 * middle_ab_4,
-    );
-    momentum[6] = mul_add(
-        L::splat(0.0446),
-        mul_sub(
-            L::splat(0.000259425784696866),
-            v_middle_pip,
-            middle_mcp_1 * middle_ab_15,
-        ) + middle_pip_1,
-        middle_mcp_8,
-    );
-    let middle_dip_1 = mul_sub(
-        L::splat(0.0029463740860957233),
-        middle_mcp_5,
-        middle_mcp_2 * middle_ab_22,
-    );
-    momentum[7] = middle_mcp_6
-        + mul_add(middle_ab_8, middle_dip_1, middle_ab_2 * middle_pip_1);
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(L::splat(0.0257), cos_ring_pip, L::splat(0.0414));
-    let ring_ab_3 = mul_add(L::splat(0.00865), ring_ab_1, ring_ab_2);
-    let ring_ab_4 = L::splat(0.0029294409016928746) * ring_ab_3;
-    let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
-    let ring_ab_6 = neg_mul_add(
-        ring_ab_5,
-        L::splat(3.717704624323398e-8) * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, L::splat(1.089483483347094e-7)),
-    );
-    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_ab_7 = v_ring_ab * cos_ring_mcp;
-    let ring_ab_8 = L::splat(0.0257) * sin_ring_pip;
-    let ring_ab_9 = mul_add(L::splat(0.00865), ring_ab_5, ring_ab_8);
-    let ring_ab_10 = L::splat(3.717704624323398e-8) * ring_ab_1;
-    let ring_ab_11 = mul_add(ring_ab_9, ring_ab_4, ring_ab_5 * ring_ab_10);
-    let ring_ab_12 = v_ring_ab * sin_ring_mcp;
-    let ring_ab_13 = neg_mul_add(ring_ab_12, ring_ab_11, ring_ab_7 * ring_ab_6);
-    let ring_ab_14 = mul_add(L::splat(0.01285), cos_ring_pip, L::splat(0.0414));
-    let ring_ab_15 = L::splat(0.005684020756286941) * ring_ab_14;
-    let ring_ab_16 = neg_mul_add(
-        sin_ring_pip,
-        L::splat(2.2190890700940578e-7) * sin_ring_pip,
-        mul_add(ring_ab_14, ring_ab_15, L::splat(4.037975712105879e-7)),
-    );
-    let ring_ab_17 = L::splat(0.01285) * sin_ring_pip;
-    let ring_ab_18 = L::splat(2.2190890700940578e-7) * cos_ring_pip;
-    let ring_ab_19 = mul_add(ring_ab_17, ring_ab_15, sin_ring_pip * ring_ab_18);
-    let ring_ab_20 = neg_mul_add(ring_ab_12, ring_ab_19, ring_ab_7 * ring_ab_16)
-        + ring_ab_13;
-    let ring_ab_21 = mul_add(L::splat(6.855419880173114e-6), ring_ab_7, ring_ab_20);
-    let ring_ab_22 = L::splat(0.0029294409016928746) * ring_ab_9;
-    let ring_ab_23 = ring_ab_9 * ring_ab_22;
-    let ring_ab_24 = neg_mul_add(
-        ring_ab_12,
-        neg_mul_add(ring_ab_1, ring_ab_10, L::splat(1.089483483347094e-7) + ring_ab_23),
-        ring_ab_7 * ring_ab_11,
-    );
-    let ring_ab_25 = L::splat(7.303966671828719e-5) * sin_ring_pip;
-    let ring_ab_26 = ring_ab_17 * ring_ab_25;
-    let ring_ab_27 = neg_mul_add(
-        ring_ab_12,
-        neg_mul_add(
-            cos_ring_pip,
-            ring_ab_18,
-            L::splat(4.037975712105879e-7) + ring_ab_26,
-        ),
-        ring_ab_7 * ring_ab_19,
-    );
-    let ring_ab_28 = ring_ab_27 + ring_ab_24;
-    let ring_ab_29 = neg_mul_add(
-        L::splat(4.6933499864261383e-7),
-        ring_ab_12,
-        ring_ab_28,
-    );
-    momentum[8] = neg_mul_add(sin_ring_mcp, ring_ab_29, cos_ring_mcp * ring_ab_21);
-    let ring_mcp_1 = v_ring_mcp + v_ring_pip;
-    let ring_mcp_2 = v_ring_dip + ring_mcp_1;
-    let ring_mcp_3 = L::splat(0.0414) * v_ring_pip;
-    let ring_mcp_4 = mul_add(v_ring_dip, ring_ab_2, ring_mcp_3);
-    let ring_mcp_5 = v_ring_dip * ring_ab_8;
-    let ring_mcp_6 = mul_sub(
-        ring_mcp_2,
-        L::splat(1.089483483347094e-7) + mul_add(ring_ab_3, ring_ab_4, ring_ab_23),
-        mul_add(ring_mcp_5, ring_ab_22, ring_mcp_4 * ring_ab_4),
-    );
-    let ring_mcp_7 = mul_sub(
-        ring_mcp_1,
-        L::splat(4.037975712105879e-7) + mul_add(ring_ab_14, ring_ab_15, ring_ab_26),
-        ring_mcp_3 * ring_ab_15,
-    );
-    let ring_mcp_8 = ring_mcp_7 + ring_mcp_6;
-    momentum[9] = mul_add(L::splat(6.855419880173114e-6), v_ring_mcp, ring_mcp_8);
-    let ring_pip_1 = mul_sub(
-        L::splat(0.0029294409016928746),
-        ring_mcp_4,
-        ring_mcp_2 * ring_ab_4,
-    );
-    momentum[10] = mul_add(
-        L::splat(0.0414),
-        mul_sub(L::splat(0.00023531845931027933), v_ring_pip, ring_mcp_1 * ring_ab_15)
-            + ring_pip_1,
-        ring_mcp_8,
-    );
-    let ring_dip_1 = mul_sub(
-        L::splat(0.0029294409016928746),
-        ring_mcp_5,
-        ring_mcp_2 * ring_ab_22,
-    );
-    momentum[11] = ring_mcp_6 + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_ab_1 = mul_sub(
-        cos_little_pip,
-        cos_little_dip,
-        sin_little_pip * sin_little_dip,
-    );
-    let little_ab_2 = mul_add(L::splat(0.0181), cos_little_pip, L::splat(0.0327));
-    let little_ab_3 = mul_add(L::splat(0.008), little_ab_1, little_ab_2);
-    let little_ab_4 = L::splat(0.002709309504455838) * little_ab_3;
-    let little_ab_5 = mul_add(
-        sin_little_pip,
-        cos_little_dip,
-        cos_little_pip * sin_little_dip,
-    );
-    let little_ab_6 = neg_mul_add(
-        little_ab_5,
-        L::splat(2.4609561332140534e-8) * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, L::splat(9.098764419130856e-8)),
-    );
-    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_ab_7 = v_little_ab * cos_little_mcp;
-    let little_ab_8 = L::splat(0.0181) * sin_little_pip;
-    let little_ab_9 = mul_add(L::splat(0.008), little_ab_5, little_ab_8);
-    let little_ab_10 = L::splat(2.4609561332140534e-8) * little_ab_1;
-    let little_ab_11 = mul_add(little_ab_9, little_ab_4, little_ab_5 * little_ab_10);
-    let little_ab_12 = v_little_ab * sin_little_mcp;
-    let little_ab_13 = neg_mul_add(
-        little_ab_12,
-        little_ab_11,
-        little_ab_7 * little_ab_6,
-    );
-    let little_ab_14 = mul_add(L::splat(0.00905), cos_little_pip, L::splat(0.0327));
-    let little_ab_15 = L::splat(0.004003143022910258) * little_ab_14;
-    let little_ab_16 = neg_mul_add(
-        sin_little_pip,
-        L::splat(4.523885211140502e-8) * sin_little_pip,
-        mul_add(little_ab_14, little_ab_15, L::splat(1.7333942884453325e-7)),
-    );
-    let little_ab_17 = L::splat(0.00905) * sin_little_pip;
-    let little_ab_18 = L::splat(4.523885211140502e-8) * cos_little_pip;
-    let little_ab_19 = mul_add(
-        little_ab_17,
-        little_ab_15,
-        sin_little_pip * little_ab_18,
-    );
-    let little_ab_20 = neg_mul_add(
-        little_ab_12,
-        little_ab_19,
-        little_ab_7 * little_ab_16,
-    ) + little_ab_13;
-    let little_ab_21 = mul_add(
-        L::splat(3.4478462505758233e-6),
-        little_ab_7,
-        little_ab_20,
-    );
-    let little_ab_22 = L::splat(0.002709309504455838) * little_ab_9;
-    let little_ab_23 = little_ab_9 * little_ab_22;
-    let little_ab_24 = neg_mul_add(
-        little_ab_12,
-        neg_mul_add(
-            little_ab_1,
-            little_ab_10,
-            L::splat(9.098764419130856e-8) + little_ab_23,
-        ),
-        little_ab_7 * little_ab_11,
-    );
-    let little_ab_25 = L::splat(3.622844435733784e-5) * sin_little_pip;
-    let little_ab_26 = little_ab_17 * little_ab_25;
-    let little_ab_27 = neg_mul_add(
-        little_ab_12,
-        neg_mul_add(
-            cos_little_pip,
-            little_ab_18,
-            L::splat(1.7333942884453325e-7) + little_ab_26,
-        ),
-        little_ab_7 * little_ab_19,
-    );
-    let little_ab_28 = little_ab_27 + little_ab_24;
-    let little_ab_29 = neg_mul_add(
-        L::splat(3.7070662936264426e-7),
-        little_ab_12,
-        little_ab_28,
-    );
-    momentum[12] = neg_mul_add(
-=======
     let middle_mcp_3 = middle_mcp_2 * middle_ab_4;
-    let middle_mcp_4 = 2.5633454549032793e-5 * middle_ab_12;
+    let middle_mcp_4 = L::splat(2.5633454549032793e-5) * middle_ab_12;
     let middle_mcp_5 = middle_mcp_2 * middle_mcp_4;
-    let middle_mcp_6 = 0.0263 * middle_ab_1;
+    let middle_mcp_6 = L::splat(0.0263) * middle_ab_1;
     let middle_mcp_7 = v_middle_mcp * middle_ab_9;
-    let middle_mcp_8 = 0.00015397952789848317 * middle_ab_1;
-    let middle_mcp_9 = 0.0446 * sin_middle_mcp;
+    let middle_mcp_8 = L::splat(0.00015397952789848317) * middle_ab_1;
+    let middle_mcp_9 = L::splat(0.0446) * sin_middle_mcp;
     let middle_mcp_10 = v_middle_mcp * middle_mcp_9;
     let middle_mcp_11 = mul_add(middle_mcp_6, middle_mcp_5, middle_ab_5 * middle_mcp_3)
         + mul_add(middle_mcp_10, middle_mcp_8, middle_mcp_7 * middle_ab_8);
@@ -729,60 +233,60 @@ pub fn evaluate(
     let middle_mcp_14 = middle_mcp_1 * middle_mcp_6;
     let middle_mcp_15 = middle_mcp_10 + middle_mcp_14;
     let middle_mcp_16 = mul_add(
-        3.33441155323453e-7,
+        L::splat(3.33441155323453e-7),
         middle_mcp_2,
         mul_add(middle_mcp_15, middle_mcp_4, middle_mcp_13 * middle_ab_4),
     );
     let middle_mcp_17 = middle_mcp_16
-        + mul_add(3.472167765770182e-6, middle_mcp_1, middle_mcp_11);
+        + mul_add(L::splat(3.472167765770182e-6), middle_mcp_1, middle_mcp_11);
     let middle_mcp_18 = middle_mcp_1 * middle_ab_8;
     let middle_mcp_19 = middle_mcp_18 + middle_mcp_3;
     let middle_mcp_20 = middle_mcp_1 * middle_mcp_8;
     let middle_mcp_21 = middle_mcp_20 + middle_mcp_5;
     let middle_mcp_22 = mul_add(
-        2.5961728691733047e-5,
+        L::splat(2.5961728691733047e-5),
         v_middle_mcp,
         mul_add(middle_mcp_9, middle_mcp_21, middle_ab_9 * middle_mcp_19),
     );
-    momentum[coordinate::MIDDLE_MCP] = middle_mcp_17 + middle_mcp_22;
-    momentum[coordinate::MIDDLE_PIP] = middle_mcp_17;
-    momentum[coordinate::MIDDLE_DIP] = middle_mcp_16;
+    momentum[5] = middle_mcp_17 + middle_mcp_22;
+    momentum[6] = middle_mcp_17;
+    momentum[7] = middle_mcp_16;
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let ring_ab_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let ring_ab_2 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
     let ring_ab_3 = mul_sub(cos_ring_dip, ring_ab_2, sin_ring_dip * ring_ab_1);
-    let ring_ab_4 = 2.5339663799643364e-5 * ring_ab_3;
-    let ring_ab_5 = 0.0257 * ring_ab_2;
-    let ring_ab_6 = 3.095335045498523e-6 * ring_ab_1;
+    let ring_ab_4 = L::splat(2.5339663799643364e-5) * ring_ab_3;
+    let ring_ab_5 = L::splat(0.0257) * ring_ab_2;
+    let ring_ab_6 = L::splat(3.095335045498523e-6) * ring_ab_1;
     let ring_ab_7 = mul_add(
-        2.0,
+        L::splat(2.0),
         ring_ab_5 * ring_ab_4,
-        neg_mul_add(ring_ab_1, ring_ab_6, 1.5476675227492616e-6),
+        neg_mul_add(ring_ab_1, ring_ab_6, L::splat(1.5476675227492616e-6)),
     );
-    let ring_ab_8 = 0.00014832629789179408 * ring_ab_2;
-    let ring_ab_9 = 0.0414 * cos_ring_mcp;
-    let ring_ab_10 = 2.1149213624841585e-5 * sin_ring_mcp;
+    let ring_ab_8 = L::splat(0.00014832629789179408) * ring_ab_2;
+    let ring_ab_9 = L::splat(0.0414) * cos_ring_mcp;
+    let ring_ab_10 = L::splat(2.1149213624841585e-5) * sin_ring_mcp;
     let ring_ab_11 = mul_add(
-        2.0,
+        L::splat(2.0),
         ring_ab_9 * (ring_ab_8 + ring_ab_4),
-        neg_mul_add(sin_ring_mcp, ring_ab_10, 1.0574606812420793e-5),
+        neg_mul_add(sin_ring_mcp, ring_ab_10, L::splat(1.0574606812420793e-5)),
     );
     let ring_ab_12 = mul_add(cos_ring_dip, ring_ab_1, sin_ring_dip * ring_ab_2);
-    let ring_ab_13 = 2.5636513811014907e-7 * ring_ab_12;
-    let ring_ab_14 = neg_mul_add(ring_ab_12, ring_ab_13, 1.2818256905507453e-7)
-        + (1.29734518691604e-5 + ring_ab_11 + ring_ab_7);
-    momentum[coordinate::RING_AB] = v_ring_ab * ring_ab_14;
+    let ring_ab_13 = L::splat(2.5636513811014907e-7) * ring_ab_12;
+    let ring_ab_14 = neg_mul_add(ring_ab_12, ring_ab_13, L::splat(1.2818256905507453e-7))
+        + (L::splat(1.29734518691604e-5) + ring_ab_11 + ring_ab_7);
+    momentum[8] = v_ring_ab * ring_ab_14;
     let ring_mcp_1 = v_ring_mcp + v_ring_pip;
     let ring_mcp_2 = v_ring_dip + ring_mcp_1;
     let ring_mcp_3 = ring_mcp_2 * ring_ab_4;
-    let ring_mcp_4 = 2.5339663799643364e-5 * ring_ab_12;
+    let ring_mcp_4 = L::splat(2.5339663799643364e-5) * ring_ab_12;
     let ring_mcp_5 = ring_mcp_2 * ring_mcp_4;
-    let ring_mcp_6 = 0.0257 * ring_ab_1;
+    let ring_mcp_6 = L::splat(0.0257) * ring_ab_1;
     let ring_mcp_7 = v_ring_mcp * ring_ab_9;
-    let ring_mcp_8 = 0.00014832629789179408 * ring_ab_1;
-    let ring_mcp_9 = 0.0414 * sin_ring_mcp;
+    let ring_mcp_8 = L::splat(0.00014832629789179408) * ring_ab_1;
+    let ring_mcp_9 = L::splat(0.0414) * sin_ring_mcp;
     let ring_mcp_10 = v_ring_mcp * ring_mcp_9;
     let ring_mcp_11 = mul_add(ring_mcp_6, ring_mcp_5, ring_ab_5 * ring_mcp_3)
         + mul_add(ring_mcp_10, ring_mcp_8, ring_mcp_7 * ring_ab_8);
@@ -791,28 +295,27 @@ pub fn evaluate(
     let ring_mcp_14 = ring_mcp_1 * ring_mcp_6;
     let ring_mcp_15 = ring_mcp_10 + ring_mcp_14;
     let ring_mcp_16 = mul_add(
-        3.2813644020162447e-7,
+        L::splat(3.2813644020162447e-7),
         ring_mcp_2,
         mul_add(ring_mcp_15, ring_mcp_4, ring_mcp_13 * ring_ab_4),
     );
     let ring_mcp_17 = ring_mcp_16
-        + mul_add(3.277223709699705e-6, ring_mcp_1, ring_mcp_11);
+        + mul_add(L::splat(3.277223709699705e-6), ring_mcp_1, ring_mcp_11);
     let ring_mcp_18 = ring_mcp_1 * ring_ab_8;
     let ring_mcp_19 = ring_mcp_18 + ring_mcp_3;
     let ring_mcp_20 = ring_mcp_1 * ring_mcp_8;
     let ring_mcp_21 = ring_mcp_20 + ring_mcp_5;
     let ring_mcp_22 = mul_add(
-        2.16185486234842e-5,
+        L::splat(2.16185486234842e-5),
         v_ring_mcp,
         mul_add(ring_mcp_9, ring_mcp_21, ring_ab_9 * ring_mcp_19),
     );
-    momentum[coordinate::RING_MCP] = ring_mcp_17 + ring_mcp_22;
-    momentum[coordinate::RING_PIP] = ring_mcp_17;
-    momentum[coordinate::RING_DIP] = ring_mcp_16;
+    momentum[9] = ring_mcp_17 + ring_mcp_22;
+    momentum[10] = ring_mcp_17;
+    momentum[11] = ring_mcp_16;
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
     let little_ab_1 = mul_add(
->>>>>>> work-a
         sin_little_mcp,
         cos_little_pip,
         cos_little_mcp * sin_little_pip,
@@ -824,190 +327,43 @@ pub fn evaluate(
         sin_little_mcp * sin_little_pip,
     );
     let little_ab_3 = mul_sub(cos_little_dip, little_ab_2, sin_little_dip * little_ab_1);
-    let little_ab_4 = 2.1674476035646702e-5 * little_ab_3;
-    let little_ab_5 = 0.0181 * little_ab_2;
-    let little_ab_6 = 1.2607031603000897e-6 * little_ab_1;
+    let little_ab_4 = L::splat(2.1674476035646702e-5) * little_ab_3;
+    let little_ab_5 = L::splat(0.0181) * little_ab_2;
+    let little_ab_6 = L::splat(1.2607031603000897e-6) * little_ab_1;
     let little_ab_7 = mul_add(
-        2.0,
+        L::splat(2.0),
         little_ab_5 * little_ab_4,
-        neg_mul_add(little_ab_1, little_ab_6, 6.303515801500448e-7),
+        neg_mul_add(little_ab_1, little_ab_6, L::splat(6.303515801500448e-7)),
     );
-    let little_ab_8 = 8.52669463879885e-5 * little_ab_2;
-    let little_ab_9 = 0.0327 * cos_little_mcp;
-    let little_ab_10 = 1.0254697984200472e-5 * sin_little_mcp;
+    let little_ab_8 = L::splat(8.52669463879885e-5) * little_ab_2;
+    let little_ab_9 = L::splat(0.0327) * cos_little_mcp;
+    let little_ab_10 = L::splat(1.0254697984200472e-5) * sin_little_mcp;
     let little_ab_11 = mul_add(
-        2.0,
+        L::splat(2.0),
         little_ab_9 * (little_ab_8 + little_ab_4),
-        neg_mul_add(sin_little_mcp, little_ab_10, 5.127348992100236e-6),
+        neg_mul_add(sin_little_mcp, little_ab_10, L::splat(5.127348992100236e-6)),
     );
     let little_ab_12 = mul_add(
         cos_little_dip,
         little_ab_1,
         sin_little_dip * little_ab_2,
     );
-    let little_ab_13 = 1.980053696173141e-7 * little_ab_12;
-    let little_ab_14 = neg_mul_add(little_ab_12, little_ab_13, 9.900268480865706e-8)
-        + (6.421888546013878e-6 + little_ab_11 + little_ab_7);
-    momentum[coordinate::LITTLE_AB] = v_little_ab * little_ab_14;
+    let little_ab_13 = L::splat(1.980053696173141e-7) * little_ab_12;
+    let little_ab_14 = neg_mul_add(
+        little_ab_12,
+        little_ab_13,
+        L::splat(9.900268480865706e-8),
+    ) + (L::splat(6.421888546013878e-6) + little_ab_11 + little_ab_7);
+    momentum[12] = v_little_ab * little_ab_14;
     let little_mcp_1 = v_little_mcp + v_little_pip;
     let little_mcp_2 = v_little_dip + little_mcp_1;
-<<<<<<< HEAD
-    let little_mcp_3 = L::splat(0.0327) * v_little_pip;
-    let little_mcp_4 = mul_add(v_little_dip, little_ab_2, little_mcp_3);
-    let little_mcp_5 = v_little_dip * little_ab_8;
-    let little_mcp_6 = mul_sub(
-        little_mcp_2,
-        L::splat(9.098764419130856e-8) + mul_add(little_ab_3, little_ab_4, little_ab_23),
-        mul_add(little_mcp_5, little_ab_22, little_mcp_4 * little_ab_4),
-    );
-    let little_mcp_7 = mul_sub(
-        little_mcp_1,
-        L::splat(1.7333942884453325e-7)
-            + mul_add(little_ab_14, little_ab_15, little_ab_26),
-        little_mcp_3 * little_ab_15,
-    );
-    let little_mcp_8 = little_mcp_7 + little_mcp_6;
-    momentum[13] = mul_add(L::splat(3.4478462505758233e-6), v_little_mcp, little_mcp_8);
-    let little_pip_1 = mul_sub(
-        L::splat(0.002709309504455838),
-        little_mcp_4,
-        little_mcp_2 * little_ab_4,
-    );
-    momentum[14] = mul_add(
-        L::splat(0.0327),
-        mul_sub(
-            L::splat(0.00013090277684916541),
-            v_little_pip,
-            little_mcp_1 * little_ab_15,
-        ) + little_pip_1,
-        little_mcp_8,
-    );
-    let little_dip_1 = mul_sub(
-        L::splat(0.002709309504455838),
-        little_mcp_5,
-        little_mcp_2 * little_ab_22,
-    );
-    momentum[15] = little_mcp_6
-        + mul_add(little_ab_8, little_dip_1, little_ab_2 * little_pip_1);
-    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_ab_1 = mul_sub(cos_thumb_mcp, cos_thumb_ip, sin_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_2 = mul_add(
-        L::splat(0.0316),
-        cos_thumb_mcp,
-        L::splat(0.046200000000000005),
-    );
-    let thumb_ab_3 = mul_add(L::splat(0.01085), thumb_ab_1, thumb_ab_2);
-    let thumb_ab_4 = L::splat(0.006074175147936257) * thumb_ab_3;
-    let thumb_ab_5 = mul_add(sin_thumb_mcp, cos_thumb_ip, cos_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_6 = neg_mul_add(
-        thumb_ab_5,
-        L::splat(1.1535364787193289e-7) * thumb_ab_5,
-        mul_add(thumb_ab_3, thumb_ab_4, L::splat(3.6135774136335126e-7)),
-    );
-    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_ab_7 = v_thumb_ab * cos_thumb_cmc;
-    let thumb_ab_8 = L::splat(0.0316) * sin_thumb_mcp;
-    let thumb_ab_9 = mul_add(L::splat(0.01085), thumb_ab_5, thumb_ab_8);
-    let thumb_ab_10 = L::splat(1.1535364787193289e-7) * thumb_ab_1;
-    let thumb_ab_11 = mul_add(thumb_ab_9, thumb_ab_4, thumb_ab_5 * thumb_ab_10);
-    let thumb_ab_12 = v_thumb_ab * sin_thumb_cmc;
-    let thumb_ab_13 = neg_mul_add(thumb_ab_12, thumb_ab_11, thumb_ab_7 * thumb_ab_6);
-    let thumb_ab_14 = mul_add(
-        L::splat(0.0158),
-        cos_thumb_mcp,
-        L::splat(0.046200000000000005),
-    );
-    let thumb_ab_15 = L::splat(0.010920176063878123) * thumb_ab_14;
-    let thumb_ab_16 = neg_mul_add(
-        sin_thumb_mcp,
-        L::splat(6.356998492652254e-7) * sin_thumb_mcp,
-        mul_add(thumb_ab_14, thumb_ab_15, L::splat(1.1817086524591316e-6)),
-    );
-    let thumb_ab_17 = L::splat(0.0158) * sin_thumb_mcp;
-    let thumb_ab_18 = L::splat(6.356998492652254e-7) * cos_thumb_mcp;
-    let thumb_ab_19 = mul_add(thumb_ab_17, thumb_ab_15, sin_thumb_mcp * thumb_ab_18);
-    let thumb_ab_20 = neg_mul_add(thumb_ab_12, thumb_ab_19, thumb_ab_7 * thumb_ab_16)
-        + thumb_ab_13;
-    let thumb_ab_21 = mul_add(L::splat(1.4328995574980243e-5), thumb_ab_7, thumb_ab_20);
-    let thumb_ab_22 = L::splat(0.006074175147936257) * thumb_ab_9;
-    let thumb_ab_23 = thumb_ab_9 * thumb_ab_22;
-    let thumb_ab_24 = neg_mul_add(
-        thumb_ab_12,
-        neg_mul_add(
-            thumb_ab_1,
-            thumb_ab_10,
-            L::splat(3.6135774136335126e-7) + thumb_ab_23,
-        ),
-        thumb_ab_7 * thumb_ab_11,
-    );
-    let thumb_ab_25 = L::splat(0.00017253878180927438) * sin_thumb_mcp;
-    let thumb_ab_26 = thumb_ab_17 * thumb_ab_25;
-    let thumb_ab_27 = neg_mul_add(
-        thumb_ab_12,
-        neg_mul_add(
-            cos_thumb_mcp,
-            thumb_ab_18,
-            L::splat(1.1817086524591316e-6) + thumb_ab_26,
-        ),
-        thumb_ab_7 * thumb_ab_19,
-    );
-    let thumb_ab_28 = thumb_ab_27 + thumb_ab_24;
-    let thumb_ab_29 = neg_mul_add(
-        L::splat(1.1687598348270992e-6),
-        thumb_ab_12,
-        thumb_ab_28,
-    );
-    momentum[16] = neg_mul_add(sin_thumb_cmc, thumb_ab_29, cos_thumb_cmc * thumb_ab_21);
-    let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
-    let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
-    let thumb_cmc_3 = L::splat(0.046200000000000005) * v_thumb_mcp;
-    let thumb_cmc_4 = mul_add(v_thumb_ip, thumb_ab_2, thumb_cmc_3);
-    let thumb_cmc_5 = v_thumb_ip * thumb_ab_8;
-    let thumb_cmc_6 = mul_sub(
-        thumb_cmc_2,
-        L::splat(3.6135774136335126e-7) + mul_add(thumb_ab_3, thumb_ab_4, thumb_ab_23),
-        mul_add(thumb_cmc_5, thumb_ab_22, thumb_cmc_4 * thumb_ab_4),
-    );
-    let thumb_cmc_7 = mul_sub(
-        thumb_cmc_1,
-        L::splat(1.1817086524591316e-6) + mul_add(thumb_ab_14, thumb_ab_15, thumb_ab_26),
-        thumb_cmc_3 * thumb_ab_15,
-    );
-    let thumb_cmc_8 = thumb_cmc_7 + thumb_cmc_6;
-    momentum[17] = mul_add(L::splat(1.4328995574980243e-5), v_thumb_cmc, thumb_cmc_8);
-    let thumb_mcp_1 = mul_sub(
-        L::splat(0.006074175147936257),
-        thumb_cmc_4,
-        thumb_cmc_2 * thumb_ab_4,
-    );
-    momentum[18] = mul_add(
-        L::splat(0.046200000000000005),
-        mul_sub(L::splat(0.0005045121341511694), v_thumb_mcp, thumb_cmc_1 * thumb_ab_15)
-            + thumb_mcp_1,
-        thumb_cmc_8,
-    );
-    let thumb_ip_1 = mul_sub(
-        L::splat(0.006074175147936257),
-        thumb_cmc_5,
-        thumb_cmc_2 * thumb_ab_22,
-    );
-    momentum[19] = thumb_cmc_6
-        + mul_add(thumb_ab_8, thumb_ip_1, thumb_ab_2 * thumb_mcp_1);
-    let ball_tx_1 = L::splat(0.1) * v_ball_tx;
-    momentum[20] = ball_tx_1;
-    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
-    momentum[21] = ball_ty_1;
-    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
-    momentum[22] = ball_tz_1;
-=======
     let little_mcp_3 = little_mcp_2 * little_ab_4;
-    let little_mcp_4 = 2.1674476035646702e-5 * little_ab_12;
+    let little_mcp_4 = L::splat(2.1674476035646702e-5) * little_ab_12;
     let little_mcp_5 = little_mcp_2 * little_mcp_4;
-    let little_mcp_6 = 0.0181 * little_ab_1;
+    let little_mcp_6 = L::splat(0.0181) * little_ab_1;
     let little_mcp_7 = v_little_mcp * little_ab_9;
-    let little_mcp_8 = 8.52669463879885e-5 * little_ab_1;
-    let little_mcp_9 = 0.0327 * sin_little_mcp;
+    let little_mcp_8 = L::splat(8.52669463879885e-5) * little_ab_1;
+    let little_mcp_9 = L::splat(0.0327) * sin_little_mcp;
     let little_mcp_10 = v_little_mcp * little_mcp_9;
     let little_mcp_11 = mul_add(little_mcp_6, little_mcp_5, little_ab_5 * little_mcp_3)
         + mul_add(little_mcp_10, little_mcp_8, little_mcp_7 * little_ab_8);
@@ -1016,24 +372,24 @@ pub fn evaluate(
     let little_mcp_14 = little_mcp_1 * little_mcp_6;
     let little_mcp_15 = little_mcp_10 + little_mcp_14;
     let little_mcp_16 = mul_add(
-        2.6438345247648215e-7,
+        L::splat(2.6438345247648215e-7),
         little_mcp_2,
         mul_add(little_mcp_15, little_mcp_4, little_mcp_13 * little_ab_4),
     );
     let little_mcp_17 = little_mcp_16
-        + mul_add(1.388803737033218e-6, little_mcp_1, little_mcp_11);
+        + mul_add(L::splat(1.388803737033218e-6), little_mcp_1, little_mcp_11);
     let little_mcp_18 = little_mcp_1 * little_ab_8;
     let little_mcp_19 = little_mcp_18 + little_mcp_3;
     let little_mcp_20 = little_mcp_1 * little_mcp_8;
     let little_mcp_21 = little_mcp_20 + little_mcp_5;
     let little_mcp_22 = mul_add(
-        1.0625404613563116e-5,
+        L::splat(1.0625404613563116e-5),
         v_little_mcp,
         mul_add(little_mcp_9, little_mcp_21, little_ab_9 * little_mcp_19),
     );
-    momentum[coordinate::LITTLE_MCP] = little_mcp_17 + little_mcp_22;
-    momentum[coordinate::LITTLE_PIP] = little_mcp_17;
-    momentum[coordinate::LITTLE_DIP] = little_mcp_16;
+    momentum[13] = little_mcp_17 + little_mcp_22;
+    momentum[14] = little_mcp_17;
+    momentum[15] = little_mcp_16;
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_ab_1 = mul_add(
@@ -1048,36 +404,39 @@ pub fn evaluate(
         sin_thumb_cmc * sin_thumb_mcp,
     );
     let thumb_ab_3 = mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
-    let thumb_ab_4 = 6.59048003551084e-5 * thumb_ab_3;
-    let thumb_ab_5 = 0.0316 * thumb_ab_2;
-    let thumb_ab_6 = 9.42724093757499e-6 * thumb_ab_1;
+    let thumb_ab_4 = L::splat(6.59048003551084e-5) * thumb_ab_3;
+    let thumb_ab_5 = L::splat(0.0316) * thumb_ab_2;
+    let thumb_ab_6 = L::splat(9.42724093757499e-6) * thumb_ab_1;
     let thumb_ab_7 = mul_add(
-        2.0,
+        L::splat(2.0),
         thumb_ab_5 * thumb_ab_4,
-        neg_mul_add(thumb_ab_1, thumb_ab_6, 4.713620468787495e-6),
+        neg_mul_add(thumb_ab_1, thumb_ab_6, L::splat(4.713620468787495e-6)),
     );
-    let thumb_ab_8 = 0.00036448271648406014 * thumb_ab_2;
-    let thumb_ab_9 = 0.046200000000000005 * cos_thumb_cmc;
-    let thumb_ab_10 = 4.943365874069823e-5 * sin_thumb_cmc;
+    let thumb_ab_8 = L::splat(0.00036448271648406014) * thumb_ab_2;
+    let thumb_ab_9 = L::splat(0.046200000000000005) * cos_thumb_cmc;
+    let thumb_ab_10 = L::splat(4.943365874069823e-5) * sin_thumb_cmc;
     let thumb_ab_11 = mul_add(
-        2.0,
+        L::splat(2.0),
         thumb_ab_9 * (thumb_ab_8 + thumb_ab_4),
-        neg_mul_add(sin_thumb_cmc, thumb_ab_10, 2.4716829370349116e-5),
+        neg_mul_add(sin_thumb_cmc, thumb_ab_10, L::splat(2.4716829370349116e-5)),
     );
     let thumb_ab_12 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
-    let thumb_ab_13 = 8.304207317248589e-7 * thumb_ab_12;
-    let thumb_ab_14 = neg_mul_add(thumb_ab_12, thumb_ab_13, 4.1521036586242944e-7)
-        + (3.180643293651146e-5 + thumb_ab_11 + thumb_ab_7);
-    momentum[coordinate::THUMB_AB] = v_thumb_ab * thumb_ab_14;
+    let thumb_ab_13 = L::splat(8.304207317248589e-7) * thumb_ab_12;
+    let thumb_ab_14 = neg_mul_add(
+        thumb_ab_12,
+        thumb_ab_13,
+        L::splat(4.1521036586242944e-7),
+    ) + (L::splat(3.180643293651146e-5) + thumb_ab_11 + thumb_ab_7);
+    momentum[16] = v_thumb_ab * thumb_ab_14;
     let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
     let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
     let thumb_cmc_3 = thumb_cmc_2 * thumb_ab_4;
-    let thumb_cmc_4 = 6.59048003551084e-5 * thumb_ab_12;
+    let thumb_cmc_4 = L::splat(6.59048003551084e-5) * thumb_ab_12;
     let thumb_cmc_5 = thumb_cmc_2 * thumb_cmc_4;
-    let thumb_cmc_6 = 0.0316 * thumb_ab_1;
+    let thumb_cmc_6 = L::splat(0.0316) * thumb_ab_1;
     let thumb_cmc_7 = v_thumb_cmc * thumb_ab_9;
-    let thumb_cmc_8 = 0.00036448271648406014 * thumb_ab_1;
-    let thumb_cmc_9 = 0.046200000000000005 * sin_thumb_cmc;
+    let thumb_cmc_8 = L::splat(0.00036448271648406014) * thumb_ab_1;
+    let thumb_cmc_9 = L::splat(0.046200000000000005) * sin_thumb_cmc;
     let thumb_cmc_10 = v_thumb_cmc * thumb_cmc_9;
     let thumb_cmc_11 = mul_add(thumb_cmc_6, thumb_cmc_5, thumb_ab_5 * thumb_cmc_3)
         + mul_add(thumb_cmc_10, thumb_cmc_8, thumb_cmc_7 * thumb_ab_8);
@@ -1086,31 +445,30 @@ pub fn evaluate(
     let thumb_cmc_14 = thumb_cmc_1 * thumb_cmc_6;
     let thumb_cmc_15 = thumb_cmc_10 + thumb_cmc_14;
     let thumb_cmc_16 = mul_add(
-        1.0764248252162773e-6,
+        L::splat(1.0764248252162773e-6),
         thumb_cmc_2,
         mul_add(thumb_cmc_15, thumb_cmc_4, thumb_cmc_13 * thumb_ab_4),
     );
     let thumb_cmc_17 = thumb_cmc_16
-        + mul_add(9.973249740768897e-6, thumb_cmc_1, thumb_cmc_11);
+        + mul_add(L::splat(9.973249740768897e-6), thumb_cmc_1, thumb_cmc_11);
     let thumb_cmc_18 = thumb_cmc_1 * thumb_ab_8;
     let thumb_cmc_19 = thumb_cmc_18 + thumb_cmc_3;
     let thumb_cmc_20 = thumb_cmc_1 * thumb_cmc_8;
     let thumb_cmc_21 = thumb_cmc_20 + thumb_cmc_5;
     let thumb_cmc_22 = mul_add(
-        5.060241857552533e-5,
+        L::splat(5.060241857552533e-5),
         v_thumb_cmc,
         mul_add(thumb_cmc_9, thumb_cmc_21, thumb_ab_9 * thumb_cmc_19),
     );
-    momentum[coordinate::THUMB_CMC] = thumb_cmc_17 + thumb_cmc_22;
-    momentum[coordinate::THUMB_MCP] = thumb_cmc_17;
-    momentum[coordinate::THUMB_IP] = thumb_cmc_16;
-    let ball_tx_1 = 0.1 * v_ball_tx;
-    momentum[coordinate::BALL_TX] = ball_tx_1;
-    let ball_ty_1 = 0.1 * v_ball_ty;
-    momentum[coordinate::BALL_TY] = ball_ty_1;
-    let ball_tz_1 = 0.1 * v_ball_tz;
-    momentum[coordinate::BALL_TZ] = ball_tz_1;
->>>>>>> work-a
+    momentum[17] = thumb_cmc_17 + thumb_cmc_22;
+    momentum[18] = thumb_cmc_17;
+    momentum[19] = thumb_cmc_16;
+    let ball_tx_1 = L::splat(0.1) * v_ball_tx;
+    momentum[20] = ball_tx_1;
+    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
+    momentum[21] = ball_ty_1;
+    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
+    momentum[22] = ball_tz_1;
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
     let ball_rx_1 = L::splat(4.900000000000001e-5)
         * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
@@ -1159,55 +517,32 @@ pub fn evaluate(
         mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
     );
     let index_fdp_8 = sqrt(index_fdp_7);
-<<<<<<< HEAD
     let index_fdp_9 = L::splat(1.0) / index_fdp_8;
-    let index_fdp_10 = index_fdp_3 * index_fdp_9;
-    let index_fdp_11 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(3.1487999999999994e-5),
-            cos_index_pip,
-            L::splat(0.000172672) * sin_index_pip,
-        ),
-        L::splat(0.000354510464),
+    let index_fdp_10 = sqrt(
+        L::splat(0.000354510464)
+            - neg_mul_add(
+                L::splat(6.297599999999999e-5),
+                cos_index_pip,
+                L::splat(0.000345344) * sin_index_pip,
+            ),
     );
-    let index_fdp_12 = sqrt(index_fdp_11);
-    let index_fdp_13 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(7.315840000000005e-6),
-            cos_index_dip,
-            L::splat(7.6342e-5) * sin_index_dip,
-        ),
-        L::splat(0.00015491888400000003),
+    let index_fdp_11 = sqrt(
+        L::splat(0.00015491888400000003)
+            - mul_add(
+                L::splat(1.463168000000001e-5),
+                cos_index_dip,
+                L::splat(0.000152684) * sin_index_dip,
+            ),
     );
-    let index_fdp_14 = sqrt(index_fdp_13);
-    let index_fdp_15 = (L::splat(0.12972844537042483) + index_fdp_8 + index_fdp_12
-        + index_fdp_14 - rest_index_fdp) * c_2;
+    let index_fdp_12 = (L::splat(0.12972844537042483) + index_fdp_8 + index_fdp_10
+        + index_fdp_11 - rest_index_fdp) * c_3;
+    let index_fdp_13 = index_fdp_9
+        * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3) * index_fdp_12;
     let index_edc_1 = mul_add(
         L::splat(0.003),
         cos_index_mcp,
         L::splat(0.0105) * sin_index_mcp,
     );
-=======
-    let index_fdp_9 = 1.0 / index_fdp_8;
-    let index_fdp_10 = sqrt(
-        0.000354510464
-            - neg_mul_add(
-                6.297599999999999e-5,
-                cos_index_pip,
-                0.000345344 * sin_index_pip,
-            ),
-    );
-    let index_fdp_11 = sqrt(
-        0.00015491888400000003
-            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
-    );
-    let index_fdp_12 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_10 + index_fdp_11
-            - rest_index_fdp);
-    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
->>>>>>> work-a
     let index_edc_2 = mul_add(
         L::splat(0.002999999999999997),
         cos_index_ab,
@@ -1231,53 +566,21 @@ pub fn evaluate(
         mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
     );
     let index_edc_8 = sqrt(index_edc_7);
-<<<<<<< HEAD
     let index_edc_9 = L::splat(1.0) / index_edc_8;
-    let index_edc_10 = index_edc_3 * index_edc_9;
-    let index_edc_11 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_index_pip,
-            L::splat(3.6000000000000014e-5) * sin_index_pip,
-        ),
-        L::splat(0.00016999999999999999),
-    );
-    let index_edc_12 = sqrt(index_edc_11);
-    let index_edc_13 = (L::splat(0.14993665655140606) + index_edc_8 + index_edc_12
-        - rest_index_edc) * c_3;
-    let index_edc_14 = neg_mul_add(
-        index_edc_4,
-        index_edc_10,
-        index_edc_2 * (index_edc_4 * index_edc_9),
-    ) * index_edc_13;
-    let index_ab_30 = mul_add(
-        neg_mul_add(
-            index_fdp_4,
-            index_fdp_10,
-            index_fdp_2 * (index_fdp_4 * index_fdp_9),
-        ),
-        index_fdp_15,
-        index_edc_14,
-=======
-    let index_edc_9 = 1.0 / index_edc_8;
     let index_edc_10 = sqrt(
-        0.00016999999999999999
+        L::splat(0.00016999999999999999)
             - mul_sub(
-                0.00015399999999999998,
+                L::splat(0.00015399999999999998),
                 cos_index_pip,
-                7.200000000000003e-5 * sin_index_pip,
+                L::splat(7.200000000000003e-5) * sin_index_pip,
             ),
     );
-    let index_edc_11 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_10 - rest_index_edc);
-    let index_edc_12 = index_edc_9
-        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3) * index_edc_11;
+    let index_edc_11 = (L::splat(0.14993665655140606) + index_edc_8 + index_edc_10
+        - rest_index_edc) * c_2;
     let index_ab_15 = mul_add(
-        index_fdp_9 * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3),
-        index_fdp_12,
-        index_edc_12,
->>>>>>> work-a
+        index_edc_9 * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3),
+        index_edc_11,
+        index_fdp_13,
     );
     let index_interosseous_1 = neg_mul_add(
         L::splat(0.008000000000000004),
@@ -1314,23 +617,9 @@ pub fn evaluate(
         ),
     );
     let index_interosseous_11 = sqrt(index_interosseous_10);
-<<<<<<< HEAD
     let index_interosseous_12 = L::splat(1.0) / index_interosseous_11;
-    let index_interosseous_13 = index_interosseous_4 * index_interosseous_12;
-    let index_interosseous_14 = (L::splat(0.045210728815182795) + index_interosseous_11
+    let index_interosseous_13 = (L::splat(0.045210728815182795) + index_interosseous_11
         - rest_index_interosseous) * c_1;
-    let index_ab_31 = mul_add(
-        neg_mul_add(
-            index_interosseous_5,
-            index_interosseous_13,
-            index_interosseous_1 * (index_interosseous_6 * index_interosseous_12),
-        ),
-        index_interosseous_14,
-        index_ab_30,
-=======
-    let index_interosseous_12 = 1.0 / index_interosseous_11;
-    let index_interosseous_13 = k_intrinsic
-        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
     let index_ab_16 = mul_add(
         index_interosseous_12
             * mul_sub(
@@ -1340,7 +629,6 @@ pub fn evaluate(
             ),
         index_interosseous_13,
         index_ab_15,
->>>>>>> work-a
     );
     let index_band_1 = neg_mul_add(L::splat(0.005), sin_index_mcp, index_interosseous_2);
     let index_band_2 = mul_add(
@@ -1363,87 +651,40 @@ pub fn evaluate(
         mul_add(index_band_3, index_band_3, index_band_5 * index_band_5),
     );
     let index_band_9 = sqrt(index_band_8);
-<<<<<<< HEAD
     let index_band_10 = L::splat(1.0) / index_band_9;
-    let index_band_11 = index_band_3 * index_band_10;
-    let index_band_12 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.6999999999999985e-5),
-            cos_index_pip,
-            L::splat(3.600000000000002e-5) * sin_index_pip,
-        ),
-        L::splat(9.000000000000003e-5),
-    );
-    let index_band_13 = sqrt(index_band_12);
-    let index_band_14 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.825e-5),
-            cos_index_dip,
-            L::splat(2.5999999999999988e-5) * sin_index_dip,
-        ),
-        L::splat(9.649999999999999e-5),
-    );
-    let index_band_15 = sqrt(index_band_14);
-    let index_band_16 = (L::splat(0.09421199494172741) + index_band_9 + index_band_13
-        + index_band_15 - rest_index_band) * c_1;
-    let index_ab_32 = mul_sub(
-        mul_add(
-            index_band_4,
-            index_band_11,
-            index_band_2 * (index_band_5 * index_band_10),
-        ),
-        index_band_16,
-        index_ab_31,
-    );
-    force[0] = neg_mul_add(v_index_ab, c_0, index_ab_32);
-    let index_mcp_9 = index_ab_15 + index_ab_4;
-    let index_mcp_10 = L::splat(9.81) * cos_index_mcp;
-    let index_mcp_11 = L::splat(9.81) * sin_index_mcp;
-    let index_mcp_12 = (index_ab_25 + index_ab_22) * index_mcp_11;
-    let index_mcp_13 = mul_sub(
-        L::splat(0.00022169899542251022) + index_mcp_9,
-        index_mcp_10,
-        index_mcp_12,
-    ) - mul_add(index_ab_7, index_ab_29, index_ab_12 * index_ab_21);
-    let index_mcp_14 = mul_add(
-        mul_add(index_fdp_5, index_fdp_10, index_fdp_1 * (index_fdp_6 * index_fdp_9)),
-        index_fdp_15,
-        index_mcp_13,
-=======
-    let index_band_10 = 1.0 / index_band_9;
     let index_band_11 = sqrt(
-        9.000000000000003e-5
+        L::splat(9.000000000000003e-5)
             - mul_sub(
-                5.399999999999997e-5,
+                L::splat(5.399999999999997e-5),
                 cos_index_pip,
-                7.200000000000004e-5 * sin_index_pip,
+                L::splat(7.200000000000004e-5) * sin_index_pip,
             ),
     );
     let index_band_12 = sqrt(
-        9.649999999999999e-5
-            - mul_sub(7.65e-5, cos_index_dip, 5.1999999999999976e-5 * sin_index_dip),
+        L::splat(9.649999999999999e-5)
+            - mul_sub(
+                L::splat(7.65e-5),
+                cos_index_dip,
+                L::splat(5.1999999999999976e-5) * sin_index_dip,
+            ),
     );
-    let index_band_13 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_11 + index_band_12
-            - rest_index_band);
+    let index_band_13 = (L::splat(0.09421199494172741) + index_band_9 + index_band_11
+        + index_band_12 - rest_index_band) * c_1;
     let index_ab_17 = mul_sub(
         index_band_10 * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3),
         index_band_13,
         index_ab_16,
     );
-    force[coordinate::INDEX_AB] = neg_mul_add(damping, v_index_ab, index_ab_17);
+    force[0] = neg_mul_add(v_index_ab, c_0, index_ab_17);
     let index_mcp_23 = v_index_ab * index_ab_9;
     let index_mcp_24 = neg_mul_add(
         mul_add(v_index_ab, index_ab_5, index_mcp_23),
         v_index_ab * index_mcp_4,
         neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
->>>>>>> work-a
     );
     let index_mcp_25 = v_index_ab * v_index_ab;
     let index_mcp_26 = mul_add(
-        0.00020734416756975027,
+        L::splat(0.00020734416756975027),
         index_ab_3,
         neg_mul_add(index_ab_3 * index_ab_13, index_mcp_25, index_mcp_24),
     );
@@ -1458,56 +699,24 @@ pub fn evaluate(
         v_index_ab * index_mcp_8,
         neg_mul_add(index_mcp_7, index_mcp_20, index_mcp_10 * index_mcp_18),
     );
-<<<<<<< HEAD
-    force[1] = neg_mul_add(v_index_mcp, c_0, index_mcp_17);
-    let index_pip_2 = mul_sub(index_ab_12, index_ab_22, index_ab_7 * index_ab_4);
-    let index_pip_3 = L::splat(0.039799999999999995) * index_ab_12
-        * (mul_sub(index_ab_12, index_ab_25, index_ab_7 * index_ab_15) + index_pip_2);
-    let index_pip_4 = mul_sub(
-        L::splat(0.039799999999999995) * v_index_mcp,
-        neg_mul_add(index_mcp_1, index_ab_25, index_dip_1),
-        index_pip_3,
-    );
-    let index_pip_5 = index_pip_4
-        - mul_add(index_ab_7, index_ab_28, index_ab_12 * index_ab_20)
-        + neg_mul_add(
-            L::splat(0.002978889312575444),
-            cos_index_mcp,
-            mul_sub(index_mcp_9, index_mcp_10, index_mcp_12),
-        );
-    let index_fdp_16 = mul_add(
-        L::splat(3.1487999999999994e-5),
-        sin_index_pip,
-        L::splat(0.000172672) * cos_index_pip,
-    ) / index_fdp_12;
-    let index_edc_15 = mul_add(
-        L::splat(7.699999999999999e-5),
-        sin_index_pip,
-        L::splat(3.6000000000000014e-5) * cos_index_pip,
-    ) / index_edc_12;
-    let index_band_17 = mul_add(
-        L::splat(2.6999999999999985e-5),
-        sin_index_pip,
-        L::splat(3.600000000000002e-5) * cos_index_pip,
-    ) / index_band_13;
-    let index_pip_6 = neg_mul_add(
-        index_band_17,
-        index_band_16,
-=======
     let index_mcp_30 = index_mcp_26
         + neg_mul_add(
             index_ab_2 * index_ab_6,
             index_mcp_25,
             index_mcp_28 + index_mcp_29,
         );
-    let index_mcp_31 = mul_add(0.0011322366977691216, index_ab_2, index_mcp_30);
+    let index_mcp_31 = mul_add(
+        L::splat(0.0011322366977691216),
+        index_ab_2,
+        index_mcp_30,
+    );
     let index_mcp_32 = neg_mul_add(
         v_index_ab * index_mcp_9,
         mul_add(v_index_ab, index_ab_8, index_mcp_27),
         neg_mul_add(index_mcp_10, index_mcp_19, index_mcp_7 * index_mcp_21),
     );
     let index_mcp_33 = mul_add(
-        0.005153756457670269,
+        L::splat(0.005153756457670269),
         cos_index_mcp,
         index_mcp_31
             + neg_mul_add(cos_index_mcp * index_ab_10, index_mcp_25, index_mcp_32),
@@ -1537,81 +746,49 @@ pub fn evaluate(
         index_band_13,
         index_mcp_36,
     );
-    force[coordinate::INDEX_MCP] = neg_mul_add(damping, v_index_mcp, index_mcp_37);
-    let index_fdp_13 = mul_add(
-        3.1487999999999994e-5,
+    force[1] = neg_mul_add(v_index_mcp, c_0, index_mcp_37);
+    let index_fdp_14 = mul_add(
+        L::splat(3.1487999999999994e-5),
         sin_index_pip,
-        0.000172672 * cos_index_pip,
+        L::splat(0.000172672) * cos_index_pip,
     ) / index_fdp_10;
-    let index_edc_13 = mul_add(
-        7.699999999999999e-5,
+    let index_edc_12 = mul_add(
+        L::splat(7.699999999999999e-5),
         sin_index_pip,
-        3.6000000000000014e-5 * cos_index_pip,
+        L::splat(3.6000000000000014e-5) * cos_index_pip,
     ) / index_edc_10;
     let index_band_14 = mul_add(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         sin_index_pip,
-        3.600000000000002e-5 * cos_index_pip,
+        L::splat(3.600000000000002e-5) * cos_index_pip,
     ) / index_band_11;
     let index_pip_1 = neg_mul_add(
         index_band_14,
         index_band_13,
->>>>>>> work-a
         neg_mul_add(
-            index_edc_13,
+            index_edc_12,
             index_edc_11,
-            mul_add(index_fdp_13, index_fdp_12, index_mcp_31),
+            mul_add(index_fdp_14, index_fdp_12, index_mcp_31),
         ),
     );
-<<<<<<< HEAD
-    force[2] = neg_mul_add(v_index_pip, c_0, index_pip_6);
-    let index_dip_2 = mul_sub(
-        mul_sub(index_ab_2, index_mcp_1, index_mcp_3),
-        index_dip_1,
-        mul_add(index_ab_8, index_ab_7, index_ab_2 * index_ab_12) * index_pip_2,
-    );
-    let index_dip_3 = neg_mul_add(index_ab_8 * index_mcp_1, index_pip_1, index_dip_2)
-        - mul_add(index_ab_7, index_ab_24, index_ab_12 * index_ab_13);
-    let index_dip_4 = mul_sub(
-        index_ab_8,
-        L::splat(0.02624609716072788) * sin_index_mcp,
-        index_ab_2 * (L::splat(0.02624609716072788) * cos_index_mcp),
-    );
-    let index_dip_5 = index_dip_3
-        + (neg_mul_add(index_ab_22, index_mcp_11, index_ab_4 * index_mcp_10)
-            + index_dip_4);
-    let index_fdp_17 = mul_sub(
+    force[2] = neg_mul_add(v_index_pip, c_0, index_pip_1);
+    let index_fdp_15 = mul_sub(
         L::splat(7.315840000000005e-6),
         sin_index_dip,
         L::splat(7.6342e-5) * cos_index_dip,
-    ) / index_fdp_14;
-    let index_band_18 = mul_add(
+    ) / index_fdp_11;
+    let index_band_15 = mul_add(
         L::splat(3.825e-5),
         sin_index_dip,
         L::splat(2.5999999999999988e-5) * cos_index_dip,
-    ) / index_band_15;
-    force[3] = neg_mul_add(
-=======
-    force[coordinate::INDEX_PIP] = neg_mul_add(damping, v_index_pip, index_pip_1);
-    let index_fdp_14 = mul_sub(
-        7.315840000000005e-6,
-        sin_index_dip,
-        7.6342e-5 * cos_index_dip,
-    ) / index_fdp_11;
-    let index_band_15 = mul_add(
-        3.825e-5,
-        sin_index_dip,
-        2.5999999999999988e-5 * cos_index_dip,
     ) / index_band_12;
-    force[coordinate::INDEX_DIP] = neg_mul_add(
-        damping,
->>>>>>> work-a
+    force[3] = neg_mul_add(
         v_index_dip,
         c_0,
         neg_mul_add(
             index_band_15,
             index_band_13,
-            neg_mul_add(index_fdp_14, index_fdp_12, index_mcp_26),
+            neg_mul_add(index_fdp_15, index_fdp_12, index_mcp_26),
         ),
     );
     let middle_fdp_1 = mul_sub(
@@ -1635,66 +812,34 @@ pub fn evaluate(
         mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
     );
     let middle_fdp_8 = sqrt(middle_fdp_7);
-<<<<<<< HEAD
-    let middle_fdp_9 = L::splat(1.0) / middle_fdp_8;
-    let middle_fdp_10 = middle_fdp_3 * middle_fdp_9;
-    let middle_fdp_11 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(4.9505999999999956e-5),
-            cos_middle_pip,
-            L::splat(0.00018741399999999995) * sin_middle_pip,
-        ),
-        L::splat(0.00038801411599999986),
+    let middle_fdp_9 = sqrt(
+        L::splat(0.00038801411599999986)
+            - neg_mul_add(
+                L::splat(9.901199999999991e-5),
+                cos_middle_pip,
+                L::splat(0.0003748279999999999) * sin_middle_pip,
+            ),
     );
-    let middle_fdp_12 = sqrt(middle_fdp_11);
-    let middle_fdp_13 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(2.8467600000000052e-6),
-            cos_middle_dip,
-            L::splat(8.681400000000001e-5) * sin_middle_dip,
-        ),
-        L::splat(0.00017631659600000004),
+    let middle_fdp_10 = sqrt(
+        L::splat(0.00017631659600000004)
+            - neg_mul_add(
+                L::splat(5.6935200000000105e-6),
+                cos_middle_dip,
+                L::splat(0.00017362800000000003) * sin_middle_dip,
+            ),
     );
-    let middle_fdp_14 = sqrt(middle_fdp_13);
-    let middle_fdp_15 = (L::splat(0.13218112782147726) + middle_fdp_8 + middle_fdp_12
-        + middle_fdp_14 - rest_middle_fdp) * c_2;
-    let middle_fdp_16 = neg_mul_add(
-        middle_fdp_4,
-        middle_fdp_10,
-        middle_fdp_2 * (middle_fdp_4 * middle_fdp_9),
-    ) * middle_fdp_15;
+    let middle_fdp_11 = (L::splat(0.13218112782147726) + middle_fdp_8 + middle_fdp_9
+        + middle_fdp_10 - rest_middle_fdp) * c_3;
+    let middle_fdp_12 = L::splat(1.0) / middle_fdp_8;
+    let middle_fdp_13 = middle_fdp_12
+        * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3)
+        * middle_fdp_11;
     let middle_edc_1 = mul_add(
         L::splat(0.003),
         cos_middle_mcp,
         L::splat(0.0105) * sin_middle_mcp,
     );
     let middle_edc_2 = L::splat(0.0030000000000000027) * cos_middle_ab;
-=======
-    let middle_fdp_9 = sqrt(
-        0.00038801411599999986
-            - neg_mul_add(
-                9.901199999999991e-5,
-                cos_middle_pip,
-                0.0003748279999999999 * sin_middle_pip,
-            ),
-    );
-    let middle_fdp_10 = sqrt(
-        0.00017631659600000004
-            - neg_mul_add(
-                5.6935200000000105e-6,
-                cos_middle_dip,
-                0.00017362800000000003 * sin_middle_dip,
-            ),
-    );
-    let middle_fdp_11 = k_flexor
-        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_9 + middle_fdp_10
-            - rest_middle_fdp);
-    let middle_fdp_12 = 1.0 / middle_fdp_8;
-    let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
-    let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
->>>>>>> work-a
     let middle_edc_3 = middle_edc_2 + middle_edc_1;
     let middle_edc_4 = L::splat(0.0030000000000000027) * sin_middle_ab;
     let middle_edc_5 = mul_sub(
@@ -1709,49 +854,21 @@ pub fn evaluate(
         mul_add(middle_edc_3, middle_edc_3, middle_edc_4 * middle_edc_4),
     );
     let middle_edc_8 = sqrt(middle_edc_7);
-<<<<<<< HEAD
     let middle_edc_9 = L::splat(1.0) / middle_edc_8;
-    let middle_edc_10 = middle_edc_3 * middle_edc_9;
-    let middle_edc_11 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_middle_pip,
-            L::splat(3.6000000000000014e-5) * sin_middle_pip,
-        ),
-        L::splat(0.00016999999999999999),
-    );
-    let middle_edc_12 = sqrt(middle_edc_11);
-    let middle_edc_13 = (L::splat(0.15123287910466324) + middle_edc_8 + middle_edc_12
-        - rest_middle_edc) * c_3;
-    let middle_ab_30 = mul_add(
-        neg_mul_add(
-            middle_edc_4,
-            middle_edc_10,
-            middle_edc_2 * (middle_edc_4 * middle_edc_9),
-        ),
-        middle_edc_13,
-        middle_fdp_16,
-=======
-    let middle_edc_9 = 1.0 / middle_edc_8;
     let middle_edc_10 = sqrt(
-        0.00016999999999999999
+        L::splat(0.00016999999999999999)
             - mul_sub(
-                0.00015399999999999998,
+                L::splat(0.00015399999999999998),
                 cos_middle_pip,
-                7.200000000000003e-5 * sin_middle_pip,
+                L::splat(7.200000000000003e-5) * sin_middle_pip,
             ),
     );
-    let middle_edc_11 = k_extensor
-        * (0.15123287910466324 + middle_edc_8 + middle_edc_10 - rest_middle_edc);
-    let middle_edc_12 = middle_edc_9
-        * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3)
-        * middle_edc_11;
+    let middle_edc_11 = (L::splat(0.15123287910466324) + middle_edc_8 + middle_edc_10
+        - rest_middle_edc) * c_2;
     let middle_ab_15 = mul_add(
-        middle_fdp_12 * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3),
-        middle_fdp_11,
-        middle_edc_12,
->>>>>>> work-a
+        middle_edc_9 * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3),
+        middle_edc_11,
+        middle_fdp_13,
     );
     let middle_interosseous_1 = L::splat(0.007999999999999993) * cos_middle_ab;
     let middle_interosseous_2 = mul_sub(
@@ -1790,23 +907,9 @@ pub fn evaluate(
         ),
     );
     let middle_interosseous_13 = sqrt(middle_interosseous_12);
-<<<<<<< HEAD
     let middle_interosseous_14 = L::splat(1.0) / middle_interosseous_13;
-    let middle_interosseous_15 = middle_interosseous_5 * middle_interosseous_14;
-    let middle_interosseous_16 = (L::splat(0.041720019175451005) + middle_interosseous_13
+    let middle_interosseous_15 = (L::splat(0.041720019175451005) + middle_interosseous_13
         - rest_middle_interosseous) * c_1;
-    let middle_ab_31 = mul_add(
-        neg_mul_add(
-            middle_interosseous_7,
-            middle_interosseous_15,
-            middle_interosseous_2 * (middle_interosseous_8 * middle_interosseous_14),
-        ),
-        middle_interosseous_16,
-        middle_ab_30,
-=======
-    let middle_interosseous_14 = 1.0 / middle_interosseous_13;
-    let middle_interosseous_15 = k_intrinsic
-        * (0.041720019175451005 + middle_interosseous_13 - rest_middle_interosseous);
     let middle_ab_16 = mul_add(
         middle_interosseous_14
             * mul_sub(
@@ -1816,7 +919,6 @@ pub fn evaluate(
             ),
         middle_interosseous_15,
         middle_ab_15,
->>>>>>> work-a
     );
     let middle_band_1 = neg_mul_add(
         L::splat(0.005),
@@ -1839,92 +941,41 @@ pub fn evaluate(
         mul_add(middle_band_3, middle_band_3, middle_band_5 * middle_band_5),
     );
     let middle_band_9 = sqrt(middle_band_8);
-<<<<<<< HEAD
     let middle_band_10 = L::splat(1.0) / middle_band_9;
-    let middle_band_11 = middle_band_3 * middle_band_10;
-    let middle_band_12 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.6999999999999985e-5),
-            cos_middle_pip,
-            L::splat(3.600000000000002e-5) * sin_middle_pip,
-        ),
-        L::splat(9.000000000000003e-5),
-    );
-    let middle_band_13 = sqrt(middle_band_12);
-    let middle_band_14 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.825e-5),
-            cos_middle_dip,
-            L::splat(2.5999999999999988e-5) * sin_middle_dip,
-        ),
-        L::splat(9.649999999999999e-5),
-    );
-    let middle_band_15 = sqrt(middle_band_14);
-    let middle_band_16 = (L::splat(0.09905932921879514) + middle_band_9 + middle_band_13
-        + middle_band_15 - rest_middle_band) * c_1;
-    let middle_ab_32 = mul_sub(
-        mul_add(
-            middle_band_4,
-            middle_band_11,
-            middle_band_2 * (middle_band_5 * middle_band_10),
-        ),
-        middle_band_16,
-        middle_ab_31,
-    );
-    force[4] = neg_mul_add(v_middle_ab, c_0, middle_ab_32);
-    let middle_mcp_9 = middle_ab_15 + middle_ab_4;
-    let middle_mcp_10 = L::splat(9.81) * cos_middle_mcp;
-    let middle_mcp_11 = L::splat(9.81) * sin_middle_mcp;
-    let middle_mcp_12 = (middle_ab_25 + middle_ab_22) * middle_mcp_11;
-    let middle_mcp_13 = mul_sub(
-        L::splat(0.00027839876122739363) + middle_mcp_9,
-        middle_mcp_10,
-        middle_mcp_12,
-    ) - mul_add(middle_ab_7, middle_ab_29, middle_ab_12 * middle_ab_21);
-    let middle_mcp_14 = mul_add(
-        mul_add(
-            middle_fdp_5,
-            middle_fdp_10,
-            middle_fdp_1 * (middle_fdp_6 * middle_fdp_9),
-        ),
-        middle_fdp_15,
-        middle_mcp_13,
-=======
-    let middle_band_10 = 1.0 / middle_band_9;
     let middle_band_11 = sqrt(
-        9.000000000000003e-5
+        L::splat(9.000000000000003e-5)
             - mul_sub(
-                5.399999999999997e-5,
+                L::splat(5.399999999999997e-5),
                 cos_middle_pip,
-                7.200000000000004e-5 * sin_middle_pip,
+                L::splat(7.200000000000004e-5) * sin_middle_pip,
             ),
     );
     let middle_band_12 = sqrt(
-        9.649999999999999e-5
-            - mul_sub(7.65e-5, cos_middle_dip, 5.1999999999999976e-5 * sin_middle_dip),
+        L::splat(9.649999999999999e-5)
+            - mul_sub(
+                L::splat(7.65e-5),
+                cos_middle_dip,
+                L::splat(5.1999999999999976e-5) * sin_middle_dip,
+            ),
     );
-    let middle_band_13 = k_intrinsic
-        * (0.09905932921879514 + middle_band_9 + middle_band_11 + middle_band_12
-            - rest_middle_band);
+    let middle_band_13 = (L::splat(0.09905932921879514) + middle_band_9 + middle_band_11
+        + middle_band_12 - rest_middle_band) * c_1;
     let middle_ab_17 = mul_sub(
         middle_band_10
             * mul_add(middle_band_2, middle_band_5, middle_band_4 * middle_band_3),
         middle_band_13,
         middle_ab_16,
     );
-    force[coordinate::MIDDLE_AB] = neg_mul_add(damping, v_middle_ab, middle_ab_17);
+    force[4] = neg_mul_add(v_middle_ab, c_0, middle_ab_17);
     let middle_mcp_23 = v_middle_ab * middle_ab_9;
     let middle_mcp_24 = neg_mul_add(
         mul_add(v_middle_ab, middle_ab_5, middle_mcp_23),
         v_middle_ab * middle_mcp_4,
         neg_mul_add(middle_mcp_13, middle_mcp_5, middle_mcp_15 * middle_mcp_3),
->>>>>>> work-a
     );
     let middle_mcp_25 = v_middle_ab * v_middle_ab;
     let middle_mcp_26 = mul_add(
-        0.0002514641891260117,
+        L::splat(0.0002514641891260117),
         middle_ab_3,
         neg_mul_add(middle_ab_3 * middle_ab_13, middle_mcp_25, middle_mcp_24),
     );
@@ -1939,93 +990,24 @@ pub fn evaluate(
         v_middle_ab * middle_mcp_8,
         neg_mul_add(middle_mcp_7, middle_mcp_20, middle_mcp_10 * middle_mcp_18),
     );
-<<<<<<< HEAD
-    force[5] = neg_mul_add(v_middle_mcp, c_0, middle_mcp_17);
-    let middle_pip_2 = mul_sub(middle_ab_12, middle_ab_22, middle_ab_7 * middle_ab_4);
-    let middle_pip_3 = L::splat(0.0446) * middle_ab_12
-        * (mul_sub(middle_ab_12, middle_ab_25, middle_ab_7 * middle_ab_15)
-            + middle_pip_2);
-    let middle_pip_4 = mul_sub(
-        L::splat(0.0446) * v_middle_mcp,
-        neg_mul_add(middle_mcp_1, middle_ab_25, middle_dip_1),
-        middle_pip_3,
-    );
-    let middle_pip_5 = middle_pip_4
-        - mul_add(middle_ab_7, middle_ab_28, middle_ab_12 * middle_ab_20)
-        + neg_mul_add(
-            L::splat(0.003834082216269373),
-            cos_middle_mcp,
-            mul_sub(middle_mcp_9, middle_mcp_10, middle_mcp_12),
-        );
-    let middle_fdp_17 = mul_add(
-        L::splat(4.9505999999999956e-5),
-        sin_middle_pip,
-        L::splat(0.00018741399999999995) * cos_middle_pip,
-    ) / middle_fdp_12;
-    let middle_edc_14 = mul_add(
-        L::splat(7.699999999999999e-5),
-        sin_middle_pip,
-        L::splat(3.6000000000000014e-5) * cos_middle_pip,
-    ) / middle_edc_12;
-    let middle_band_17 = mul_add(
-        L::splat(2.6999999999999985e-5),
-        sin_middle_pip,
-        L::splat(3.600000000000002e-5) * cos_middle_pip,
-    ) / middle_band_13;
-    let middle_pip_6 = neg_mul_add(
-        middle_band_17,
-        middle_band_16,
-        neg_mul_add(
-            middle_edc_14,
-            middle_edc_13,
-            mul_add(middle_fdp_17, middle_fdp_15, middle_pip_5),
-        ),
-    );
-    force[6] = neg_mul_add(v_middle_pip, c_0, middle_pip_6);
-    let middle_dip_2 = mul_sub(
-        mul_sub(middle_ab_2, middle_mcp_1, middle_mcp_3),
-        middle_dip_1,
-        mul_add(middle_ab_8, middle_ab_7, middle_ab_2 * middle_ab_12) * middle_pip_2,
-    );
-    let middle_dip_3 = neg_mul_add(
-        middle_ab_8 * middle_mcp_1,
-        middle_pip_1,
-        middle_dip_2,
-    ) - mul_add(middle_ab_7, middle_ab_24, middle_ab_12 * middle_ab_13);
-    let middle_dip_4 = mul_sub(
-        middle_ab_8,
-        L::splat(0.028903929784599047) * sin_middle_mcp,
-        middle_ab_2 * (L::splat(0.028903929784599047) * cos_middle_mcp),
-    );
-    let middle_dip_5 = middle_dip_3
-        + (neg_mul_add(middle_ab_22, middle_mcp_11, middle_ab_4 * middle_mcp_10)
-            + middle_dip_4);
-    let middle_fdp_18 = mul_add(
-        L::splat(2.8467600000000052e-6),
-        sin_middle_dip,
-        L::splat(8.681400000000001e-5) * cos_middle_dip,
-    ) / middle_fdp_14;
-    let middle_band_18 = mul_add(
-        L::splat(3.825e-5),
-        sin_middle_dip,
-        L::splat(2.5999999999999988e-5) * cos_middle_dip,
-    ) / middle_band_15;
-    force[7] = neg_mul_add(
-=======
     let middle_mcp_30 = middle_mcp_26
         + neg_mul_add(
             middle_ab_2 * middle_ab_6,
             middle_mcp_25,
             middle_mcp_28 + middle_mcp_29,
         );
-    let middle_mcp_31 = mul_add(0.00151053916868412, middle_ab_2, middle_mcp_30);
+    let middle_mcp_31 = mul_add(
+        L::splat(0.00151053916868412),
+        middle_ab_2,
+        middle_mcp_30,
+    );
     let middle_mcp_32 = neg_mul_add(
         v_middle_ab * middle_mcp_9,
         mul_add(v_middle_ab, middle_ab_8, middle_mcp_27),
         neg_mul_add(middle_mcp_10, middle_mcp_19, middle_mcp_7 * middle_mcp_21),
     );
     let middle_mcp_33 = mul_add(
-        0.006565174063910105,
+        L::splat(0.006565174063910105),
         cos_middle_mcp,
         middle_mcp_31
             + neg_mul_add(cos_middle_mcp * middle_ab_10, middle_mcp_25, middle_mcp_32),
@@ -2056,57 +1038,49 @@ pub fn evaluate(
         middle_band_13,
         middle_mcp_36,
     );
-    force[coordinate::MIDDLE_MCP] = neg_mul_add(damping, v_middle_mcp, middle_mcp_37);
-    let middle_fdp_13 = mul_add(
-        4.9505999999999956e-5,
+    force[5] = neg_mul_add(v_middle_mcp, c_0, middle_mcp_37);
+    let middle_fdp_14 = mul_add(
+        L::splat(4.9505999999999956e-5),
         sin_middle_pip,
-        0.00018741399999999995 * cos_middle_pip,
+        L::splat(0.00018741399999999995) * cos_middle_pip,
     ) / middle_fdp_9;
-    let middle_edc_13 = mul_add(
-        7.699999999999999e-5,
+    let middle_edc_12 = mul_add(
+        L::splat(7.699999999999999e-5),
         sin_middle_pip,
-        3.6000000000000014e-5 * cos_middle_pip,
+        L::splat(3.6000000000000014e-5) * cos_middle_pip,
     ) / middle_edc_10;
     let middle_band_14 = mul_add(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         sin_middle_pip,
-        3.600000000000002e-5 * cos_middle_pip,
+        L::splat(3.600000000000002e-5) * cos_middle_pip,
     ) / middle_band_11;
     let middle_pip_1 = neg_mul_add(
         middle_band_14,
         middle_band_13,
         neg_mul_add(
-            middle_edc_13,
+            middle_edc_12,
             middle_edc_11,
-            mul_add(middle_fdp_13, middle_fdp_11, middle_mcp_31),
+            mul_add(middle_fdp_14, middle_fdp_11, middle_mcp_31),
         ),
     );
-    force[coordinate::MIDDLE_PIP] = neg_mul_add(damping, v_middle_pip, middle_pip_1);
-    let middle_fdp_14 = mul_add(
-        2.8467600000000052e-6,
+    force[6] = neg_mul_add(v_middle_pip, c_0, middle_pip_1);
+    let middle_fdp_15 = mul_add(
+        L::splat(2.8467600000000052e-6),
         sin_middle_dip,
-        8.681400000000001e-5 * cos_middle_dip,
+        L::splat(8.681400000000001e-5) * cos_middle_dip,
     ) / middle_fdp_10;
     let middle_band_15 = mul_add(
-        3.825e-5,
+        L::splat(3.825e-5),
         sin_middle_dip,
-        2.5999999999999988e-5 * cos_middle_dip,
+        L::splat(2.5999999999999988e-5) * cos_middle_dip,
     ) / middle_band_12;
-    force[coordinate::MIDDLE_DIP] = neg_mul_add(
-        damping,
->>>>>>> work-a
+    force[7] = neg_mul_add(
         v_middle_dip,
         c_0,
         neg_mul_add(
-<<<<<<< HEAD
-            middle_band_18,
-            middle_band_16,
-            mul_add(middle_fdp_18, middle_fdp_15, middle_dip_5),
-=======
             middle_band_15,
             middle_band_13,
-            mul_add(middle_fdp_14, middle_fdp_11, middle_mcp_26),
->>>>>>> work-a
+            mul_add(middle_fdp_15, middle_fdp_11, middle_mcp_26),
         ),
     );
     let ring_fdp_1 = mul_sub(
@@ -2138,50 +1112,32 @@ pub fn evaluate(
         mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_4 * ring_fdp_4),
     );
     let ring_fdp_8 = sqrt(ring_fdp_7);
-<<<<<<< HEAD
     let ring_fdp_9 = L::splat(1.0) / ring_fdp_8;
-    let ring_fdp_10 = ring_fdp_3 * ring_fdp_9;
-    let ring_fdp_11 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(4.673399999999999e-5),
-            cos_ring_pip,
-            L::splat(0.000185146) * sin_ring_pip,
-        ),
-        L::splat(0.00038251043599999996),
+    let ring_fdp_10 = sqrt(
+        L::splat(0.00038251043599999996)
+            - neg_mul_add(
+                L::splat(9.346799999999998e-5),
+                cos_ring_pip,
+                L::splat(0.000370292) * sin_ring_pip,
+            ),
     );
-    let ring_fdp_12 = sqrt(ring_fdp_11);
-    let ring_fdp_13 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(1.571779999999996e-6),
-            cos_ring_dip,
-            L::splat(8.5561e-5) * sin_ring_dip,
-        ),
-        L::splat(0.00017344544100000002),
+    let ring_fdp_11 = sqrt(
+        L::splat(0.00017344544100000002)
+            - neg_mul_add(
+                L::splat(3.143559999999992e-6),
+                cos_ring_dip,
+                L::splat(0.000171122) * sin_ring_dip,
+            ),
     );
-    let ring_fdp_14 = sqrt(ring_fdp_13);
-    let ring_fdp_15 = (L::splat(0.1222069424434041) + ring_fdp_8 + ring_fdp_12
-        + ring_fdp_14 - rest_ring_fdp) * c_2;
+    let ring_fdp_12 = (L::splat(0.1222069424434041) + ring_fdp_8 + ring_fdp_10
+        + ring_fdp_11 - rest_ring_fdp) * c_3;
+    let ring_fdp_13 = ring_fdp_9
+        * mul_sub(ring_fdp_2, ring_fdp_4, ring_fdp_4 * ring_fdp_3) * ring_fdp_12;
     let ring_edc_1 = mul_add(
         L::splat(0.003),
         cos_ring_mcp,
         L::splat(0.0105) * sin_ring_mcp,
     );
-=======
-    let ring_fdp_9 = 1.0 / ring_fdp_8;
-    let ring_fdp_10 = sqrt(
-        0.00038251043599999996
-            - neg_mul_add(9.346799999999998e-5, cos_ring_pip, 0.000370292 * sin_ring_pip),
-    );
-    let ring_fdp_11 = sqrt(
-        0.00017344544100000002
-            - neg_mul_add(3.143559999999992e-6, cos_ring_dip, 0.000171122 * sin_ring_dip),
-    );
-    let ring_fdp_12 = k_flexor
-        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_10 + ring_fdp_11 - rest_ring_fdp);
-    let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
->>>>>>> work-a
     let ring_edc_2 = mul_add(
         L::splat(0.003000000000000002),
         cos_ring_ab,
@@ -2205,49 +1161,21 @@ pub fn evaluate(
         mul_add(ring_edc_3, ring_edc_3, ring_edc_4 * ring_edc_4),
     );
     let ring_edc_8 = sqrt(ring_edc_7);
-<<<<<<< HEAD
     let ring_edc_9 = L::splat(1.0) / ring_edc_8;
-    let ring_edc_10 = ring_edc_3 * ring_edc_9;
-    let ring_edc_11 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_ring_pip,
-            L::splat(3.6000000000000014e-5) * sin_ring_pip,
-        ),
-        L::splat(0.00016999999999999999),
-    );
-    let ring_edc_12 = sqrt(ring_edc_11);
-    let ring_edc_13 = (L::splat(0.14143565528020308) + ring_edc_8 + ring_edc_12
-        - rest_ring_edc) * c_3;
-    let ring_edc_14 = neg_mul_add(
-        ring_edc_4,
-        ring_edc_10,
-        ring_edc_2 * (ring_edc_4 * ring_edc_9),
-    ) * ring_edc_13;
-    let ring_ab_30 = mul_add(
-        neg_mul_add(ring_fdp_4, ring_fdp_10, ring_fdp_2 * (ring_fdp_4 * ring_fdp_9)),
-        ring_fdp_15,
-        ring_edc_14,
-=======
-    let ring_edc_9 = 1.0 / ring_edc_8;
     let ring_edc_10 = sqrt(
-        0.00016999999999999999
+        L::splat(0.00016999999999999999)
             - mul_sub(
-                0.00015399999999999998,
+                L::splat(0.00015399999999999998),
                 cos_ring_pip,
-                7.200000000000003e-5 * sin_ring_pip,
+                L::splat(7.200000000000003e-5) * sin_ring_pip,
             ),
     );
-    let ring_edc_11 = k_extensor
-        * (0.14143565528020308 + ring_edc_8 + ring_edc_10 - rest_ring_edc);
-    let ring_edc_12 = ring_edc_9
-        * mul_sub(ring_edc_2, ring_edc_4, ring_edc_4 * ring_edc_3) * ring_edc_11;
+    let ring_edc_11 = (L::splat(0.14143565528020308) + ring_edc_8 + ring_edc_10
+        - rest_ring_edc) * c_2;
     let ring_ab_15 = mul_add(
-        ring_fdp_9 * mul_sub(ring_fdp_2, ring_fdp_4, ring_fdp_4 * ring_fdp_3),
-        ring_fdp_12,
-        ring_edc_12,
->>>>>>> work-a
+        ring_edc_9 * mul_sub(ring_edc_2, ring_edc_4, ring_edc_4 * ring_edc_3),
+        ring_edc_11,
+        ring_fdp_13,
     );
     let ring_interosseous_1 = L::splat(0.008) * cos_ring_mcp;
     let ring_interosseous_2 = neg_mul_add(
@@ -2284,23 +1212,9 @@ pub fn evaluate(
         ),
     );
     let ring_interosseous_11 = sqrt(ring_interosseous_10);
-<<<<<<< HEAD
     let ring_interosseous_12 = L::splat(1.0) / ring_interosseous_11;
-    let ring_interosseous_13 = ring_interosseous_4 * ring_interosseous_12;
-    let ring_interosseous_14 = (L::splat(0.03514256678161116) + ring_interosseous_11
+    let ring_interosseous_13 = (L::splat(0.03514256678161116) + ring_interosseous_11
         - rest_ring_interosseous) * c_1;
-    let ring_ab_31 = mul_sub(
-        mul_add(
-            ring_interosseous_5,
-            ring_interosseous_13,
-            ring_interosseous_3 * (ring_interosseous_6 * ring_interosseous_12),
-        ),
-        ring_interosseous_14,
-        ring_ab_30,
-=======
-    let ring_interosseous_12 = 1.0 / ring_interosseous_11;
-    let ring_interosseous_13 = k_intrinsic
-        * (0.03514256678161116 + ring_interosseous_11 - rest_ring_interosseous);
     let ring_ab_16 = mul_sub(
         ring_interosseous_12
             * mul_add(
@@ -2310,7 +1224,6 @@ pub fn evaluate(
             ),
         ring_interosseous_13,
         ring_ab_15,
->>>>>>> work-a
     );
     let ring_band_1 = neg_mul_add(
         L::splat(0.007999999999999998),
@@ -2333,91 +1246,40 @@ pub fn evaluate(
         mul_add(ring_band_3, ring_band_3, ring_band_5 * ring_band_5),
     );
     let ring_band_9 = sqrt(ring_band_8);
-<<<<<<< HEAD
     let ring_band_10 = L::splat(1.0) / ring_band_9;
-    let ring_band_11 = ring_band_3 * ring_band_10;
-    let ring_band_12 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.6999999999999985e-5),
-            cos_ring_pip,
-            L::splat(3.600000000000002e-5) * sin_ring_pip,
-        ),
-        L::splat(9.000000000000003e-5),
-    );
-    let ring_band_13 = sqrt(ring_band_12);
-    let ring_band_14 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.8249999999999995e-5),
-            cos_ring_dip,
-            L::splat(2.600000000000001e-5) * sin_ring_dip,
-        ),
-        L::splat(9.65e-5),
-    );
-    let ring_band_15 = sqrt(ring_band_14);
-    let ring_band_16 = (L::splat(0.08891202891001955) + ring_band_9 + ring_band_13
-        + ring_band_15 - rest_ring_band) * c_1;
-    let ring_ab_32 = neg_mul_add(
-        neg_mul_add(
-            ring_band_4,
-            ring_band_11,
-            ring_band_1 * (ring_band_5 * ring_band_10),
-        ),
-        ring_band_16,
-        ring_ab_31,
-    );
-    force[8] = neg_mul_add(v_ring_ab, c_0, ring_ab_32);
-    let ring_mcp_9 = ring_ab_15 + ring_ab_4;
-    let ring_mcp_10 = L::splat(9.81) * cos_ring_mcp;
-    let ring_mcp_11 = L::splat(9.81) * sin_ring_mcp;
-    let ring_mcp_12 = (ring_ab_25 + ring_ab_22) * ring_mcp_11;
-    let ring_mcp_13 = mul_sub(
-        L::splat(0.00023988233263955822) + ring_mcp_9,
-        ring_mcp_10,
-        ring_mcp_12,
-    ) - mul_add(ring_ab_7, ring_ab_29, ring_ab_12 * ring_ab_21);
-    let ring_mcp_14 = mul_add(
-        mul_add(ring_fdp_5, ring_fdp_10, ring_fdp_1 * (ring_fdp_6 * ring_fdp_9)),
-        ring_fdp_15,
-        ring_mcp_13,
-=======
-    let ring_band_10 = 1.0 / ring_band_9;
     let ring_band_11 = sqrt(
-        9.000000000000003e-5
+        L::splat(9.000000000000003e-5)
             - mul_sub(
-                5.399999999999997e-5,
+                L::splat(5.399999999999997e-5),
                 cos_ring_pip,
-                7.200000000000004e-5 * sin_ring_pip,
+                L::splat(7.200000000000004e-5) * sin_ring_pip,
             ),
     );
     let ring_band_12 = sqrt(
-        9.65e-5
+        L::splat(9.65e-5)
             - mul_sub(
-                7.649999999999999e-5,
+                L::splat(7.649999999999999e-5),
                 cos_ring_dip,
-                5.200000000000002e-5 * sin_ring_dip,
+                L::splat(5.200000000000002e-5) * sin_ring_dip,
             ),
     );
-    let ring_band_13 = k_intrinsic
-        * (0.08891202891001955 + ring_band_9 + ring_band_11 + ring_band_12
-            - rest_ring_band);
+    let ring_band_13 = (L::splat(0.08891202891001955) + ring_band_9 + ring_band_11
+        + ring_band_12 - rest_ring_band) * c_1;
     let ring_ab_17 = neg_mul_add(
         ring_band_10 * mul_sub(ring_band_1, ring_band_5, ring_band_4 * ring_band_3),
         ring_band_13,
         ring_ab_16,
     );
-    force[coordinate::RING_AB] = neg_mul_add(damping, v_ring_ab, ring_ab_17);
+    force[8] = neg_mul_add(v_ring_ab, c_0, ring_ab_17);
     let ring_mcp_23 = v_ring_ab * ring_ab_9;
     let ring_mcp_24 = neg_mul_add(
         mul_add(v_ring_ab, ring_ab_5, ring_mcp_23),
         v_ring_ab * ring_mcp_4,
         neg_mul_add(ring_mcp_13, ring_mcp_5, ring_mcp_15 * ring_mcp_3),
->>>>>>> work-a
     );
     let ring_mcp_25 = v_ring_ab * v_ring_ab;
     let ring_mcp_26 = mul_add(
-        0.0002485821018745014,
+        L::splat(0.0002485821018745014),
         ring_ab_3,
         neg_mul_add(ring_ab_3 * ring_ab_13, ring_mcp_25, ring_mcp_24),
     );
@@ -2432,51 +1294,16 @@ pub fn evaluate(
         v_ring_ab * ring_mcp_8,
         neg_mul_add(ring_mcp_7, ring_mcp_20, ring_mcp_10 * ring_mcp_18),
     );
-<<<<<<< HEAD
-    force[9] = neg_mul_add(v_ring_mcp, c_0, ring_mcp_17);
-    let ring_pip_2 = mul_sub(ring_ab_12, ring_ab_22, ring_ab_7 * ring_ab_4);
-    let ring_pip_3 = L::splat(0.0414) * ring_ab_12
-        * (mul_sub(ring_ab_12, ring_ab_25, ring_ab_7 * ring_ab_15) + ring_pip_2);
-    let ring_pip_4 = mul_sub(
-        L::splat(0.0414) * v_ring_mcp,
-        neg_mul_add(ring_mcp_1, ring_ab_25, ring_dip_1),
-        ring_pip_3,
-    );
-    let ring_pip_5 = ring_pip_4 - mul_add(ring_ab_7, ring_ab_28, ring_ab_12 * ring_ab_20)
-        + neg_mul_add(
-            L::splat(0.0034982196370019745),
-            cos_ring_mcp,
-            mul_sub(ring_mcp_9, ring_mcp_10, ring_mcp_12),
-        );
-    let ring_fdp_16 = mul_add(
-        L::splat(4.673399999999999e-5),
-        sin_ring_pip,
-        L::splat(0.000185146) * cos_ring_pip,
-    ) / ring_fdp_12;
-    let ring_edc_15 = mul_add(
-        L::splat(7.699999999999999e-5),
-        sin_ring_pip,
-        L::splat(3.6000000000000014e-5) * cos_ring_pip,
-    ) / ring_edc_12;
-    let ring_band_17 = mul_add(
-        L::splat(2.6999999999999985e-5),
-        sin_ring_pip,
-        L::splat(3.600000000000002e-5) * cos_ring_pip,
-    ) / ring_band_13;
-    let ring_pip_6 = neg_mul_add(
-        ring_band_17,
-        ring_band_16,
-=======
     let ring_mcp_30 = ring_mcp_26
         + neg_mul_add(ring_ab_2 * ring_ab_6, ring_mcp_25, ring_mcp_28 + ring_mcp_29);
-    let ring_mcp_31 = mul_add(0.0014550809823185, ring_ab_2, ring_mcp_30);
+    let ring_mcp_31 = mul_add(L::splat(0.0014550809823185), ring_ab_2, ring_mcp_30);
     let ring_mcp_32 = neg_mul_add(
         v_ring_ab * ring_mcp_9,
         mul_add(v_ring_ab, ring_ab_8, ring_mcp_27),
         neg_mul_add(ring_mcp_10, ring_mcp_19, ring_mcp_7 * ring_mcp_21),
     );
     let ring_mcp_33 = mul_add(
-        0.005851465320196041,
+        L::splat(0.005851465320196041),
         cos_ring_mcp,
         ring_mcp_31 + neg_mul_add(cos_ring_mcp * ring_ab_10, ring_mcp_25, ring_mcp_32),
     );
@@ -2505,80 +1332,49 @@ pub fn evaluate(
         ring_band_13,
         ring_mcp_36,
     );
-    force[coordinate::RING_MCP] = neg_mul_add(damping, v_ring_mcp, ring_mcp_37);
-    let ring_fdp_13 = mul_add(
-        4.673399999999999e-5,
+    force[9] = neg_mul_add(v_ring_mcp, c_0, ring_mcp_37);
+    let ring_fdp_14 = mul_add(
+        L::splat(4.673399999999999e-5),
         sin_ring_pip,
-        0.000185146 * cos_ring_pip,
+        L::splat(0.000185146) * cos_ring_pip,
     ) / ring_fdp_10;
-    let ring_edc_13 = mul_add(
-        7.699999999999999e-5,
+    let ring_edc_12 = mul_add(
+        L::splat(7.699999999999999e-5),
         sin_ring_pip,
-        3.6000000000000014e-5 * cos_ring_pip,
+        L::splat(3.6000000000000014e-5) * cos_ring_pip,
     ) / ring_edc_10;
     let ring_band_14 = mul_add(
-        2.6999999999999985e-5,
+        L::splat(2.6999999999999985e-5),
         sin_ring_pip,
-        3.600000000000002e-5 * cos_ring_pip,
+        L::splat(3.600000000000002e-5) * cos_ring_pip,
     ) / ring_band_11;
     let ring_pip_1 = neg_mul_add(
         ring_band_14,
         ring_band_13,
->>>>>>> work-a
         neg_mul_add(
-            ring_edc_13,
+            ring_edc_12,
             ring_edc_11,
-            mul_add(ring_fdp_13, ring_fdp_12, ring_mcp_31),
+            mul_add(ring_fdp_14, ring_fdp_12, ring_mcp_31),
         ),
     );
-<<<<<<< HEAD
-    force[10] = neg_mul_add(v_ring_pip, c_0, ring_pip_6);
-    let ring_dip_2 = mul_sub(
-        mul_sub(ring_ab_2, ring_mcp_1, ring_mcp_3),
-        ring_dip_1,
-        mul_add(ring_ab_8, ring_ab_7, ring_ab_2 * ring_ab_12) * ring_pip_2,
-    );
-    let ring_dip_3 = neg_mul_add(ring_ab_8 * ring_mcp_1, ring_pip_1, ring_dip_2)
-        - mul_add(ring_ab_7, ring_ab_24, ring_ab_12 * ring_ab_13);
-    let ring_dip_4 = mul_sub(
-        ring_ab_8,
-        L::splat(0.0287378152456071) * sin_ring_mcp,
-        ring_ab_2 * (L::splat(0.0287378152456071) * cos_ring_mcp),
-    );
-    let ring_dip_5 = ring_dip_3
-        + (neg_mul_add(ring_ab_22, ring_mcp_11, ring_ab_4 * ring_mcp_10) + ring_dip_4);
-    let ring_fdp_17 = mul_add(
+    force[10] = neg_mul_add(v_ring_pip, c_0, ring_pip_1);
+    let ring_fdp_15 = mul_add(
         L::splat(1.571779999999996e-6),
         sin_ring_dip,
         L::splat(8.5561e-5) * cos_ring_dip,
-    ) / ring_fdp_14;
-    let ring_band_18 = mul_add(
+    ) / ring_fdp_11;
+    let ring_band_15 = mul_add(
         L::splat(3.8249999999999995e-5),
         sin_ring_dip,
         L::splat(2.600000000000001e-5) * cos_ring_dip,
-    ) / ring_band_15;
-    force[11] = neg_mul_add(
-=======
-    force[coordinate::RING_PIP] = neg_mul_add(damping, v_ring_pip, ring_pip_1);
-    let ring_fdp_14 = mul_add(
-        1.571779999999996e-6,
-        sin_ring_dip,
-        8.5561e-5 * cos_ring_dip,
-    ) / ring_fdp_11;
-    let ring_band_15 = mul_add(
-        3.8249999999999995e-5,
-        sin_ring_dip,
-        2.600000000000001e-5 * cos_ring_dip,
     ) / ring_band_12;
-    force[coordinate::RING_DIP] = neg_mul_add(
-        damping,
->>>>>>> work-a
+    force[11] = neg_mul_add(
         v_ring_dip,
         c_0,
         neg_mul_add(
             ring_band_15,
             ring_band_13,
-            mul_add(ring_fdp_14, ring_fdp_12, ring_mcp_26),
+            mul_add(ring_fdp_15, ring_fdp_12, ring_mcp_26),
         ),
     );
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
@@ -2610,64 +1406,33 @@ pub fn evaluate(
         mul_add(little_fdp_3, little_fdp_3, little_fdp_4 * little_fdp_4),
     );
     let little_fdp_8 = sqrt(little_fdp_7);
-<<<<<<< HEAD
     let little_fdp_9 = L::splat(1.0) / little_fdp_8;
-    let little_fdp_10 = little_fdp_3 * little_fdp_9;
-    let little_fdp_11 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(1.1621999999999991e-5),
-            cos_little_pip,
-            L::splat(0.000156418) * sin_little_pip,
-        ),
-        L::splat(0.000323790404),
+    let little_fdp_10 = sqrt(
+        L::splat(0.000323790404)
+            - neg_mul_add(
+                L::splat(2.3243999999999983e-5),
+                cos_little_pip,
+                L::splat(0.000312836) * sin_little_pip,
+            ),
     );
-    let little_fdp_12 = sqrt(little_fdp_11);
-    let little_fdp_13 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(1.3619199999999997e-5),
-            cos_little_dip,
-            L::splat(6.9608e-5) * sin_little_dip,
-        ),
-        L::splat(0.00014204462400000002),
+    let little_fdp_11 = sqrt(
+        L::splat(0.00014204462400000002)
+            - mul_add(
+                L::splat(2.7238399999999993e-5),
+                cos_little_dip,
+                L::splat(0.000139216) * sin_little_dip,
+            ),
     );
-    let little_fdp_14 = sqrt(little_fdp_13);
-    let little_fdp_15 = (L::splat(0.1069781758046222) + little_fdp_8 + little_fdp_12
-        + little_fdp_14 - rest_little_fdp) * c_2;
-    let little_fdp_16 = mul_add(
-        little_fdp_4,
-        little_fdp_10,
-        little_fdp_1 * (little_fdp_4 * little_fdp_9),
-    ) * little_fdp_15;
+    let little_fdp_12 = (L::splat(0.1069781758046222) + little_fdp_8 + little_fdp_10
+        + little_fdp_11 - rest_little_fdp) * c_3;
+    let little_fdp_13 = little_fdp_9
+        * mul_add(little_fdp_1, little_fdp_4, little_fdp_4 * little_fdp_3)
+        * little_fdp_12;
     let little_edc_1 = mul_add(
         L::splat(0.003),
         cos_little_mcp,
         L::splat(0.0105) * sin_little_mcp,
     );
-=======
-    let little_fdp_9 = 1.0 / little_fdp_8;
-    let little_fdp_10 = sqrt(
-        0.000323790404
-            - neg_mul_add(
-                2.3243999999999983e-5,
-                cos_little_pip,
-                0.000312836 * sin_little_pip,
-            ),
-    );
-    let little_fdp_11 = sqrt(
-        0.00014204462400000002
-            - mul_add(
-                2.7238399999999993e-5,
-                cos_little_dip,
-                0.000139216 * sin_little_dip,
-            ),
-    );
-    let little_fdp_12 = k_flexor
-        * (0.1069781758046222 + little_fdp_8 + little_fdp_10 + little_fdp_11
-            - rest_little_fdp);
-    let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
->>>>>>> work-a
     let little_edc_2 = mul_add(
         L::splat(0.003000000000000003),
         cos_little_ab,
@@ -2691,49 +1456,21 @@ pub fn evaluate(
         mul_add(little_edc_3, little_edc_3, little_edc_4 * little_edc_4),
     );
     let little_edc_8 = sqrt(little_edc_7);
-<<<<<<< HEAD
     let little_edc_9 = L::splat(1.0) / little_edc_8;
-    let little_edc_10 = little_edc_3 * little_edc_9;
-    let little_edc_11 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_little_pip,
-            L::splat(3.6000000000000014e-5) * sin_little_pip,
-        ),
-        L::splat(0.00016999999999999999),
-    );
-    let little_edc_12 = sqrt(little_edc_11);
-    let little_edc_13 = (L::splat(0.12844554910897665) + little_edc_8 + little_edc_12
-        - rest_little_edc) * c_3;
-    let little_ab_30 = neg_mul_add(
-        neg_mul_add(
-            little_edc_4,
-            little_edc_10,
-            little_edc_2 * (little_edc_4 * little_edc_9),
-        ),
-        little_edc_13,
-        little_fdp_16,
-=======
-    let little_edc_9 = 1.0 / little_edc_8;
     let little_edc_10 = sqrt(
-        0.00016999999999999999
+        L::splat(0.00016999999999999999)
             - mul_sub(
-                0.00015399999999999998,
+                L::splat(0.00015399999999999998),
                 cos_little_pip,
-                7.200000000000003e-5 * sin_little_pip,
+                L::splat(7.200000000000003e-5) * sin_little_pip,
             ),
     );
-    let little_edc_11 = k_extensor
-        * (0.12844554910897665 + little_edc_8 + little_edc_10 - rest_little_edc);
-    let little_edc_12 = little_edc_9
-        * mul_sub(little_edc_2, little_edc_4, little_edc_4 * little_edc_3)
-        * little_edc_11;
-    let little_ab_15 = mul_sub(
-        little_fdp_9 * mul_add(little_fdp_1, little_fdp_4, little_fdp_4 * little_fdp_3),
-        little_fdp_12,
-        little_edc_12,
->>>>>>> work-a
+    let little_edc_11 = (L::splat(0.12844554910897665) + little_edc_8 + little_edc_10
+        - rest_little_edc) * c_2;
+    let little_ab_15 = neg_mul_add(
+        little_edc_9 * mul_sub(little_edc_2, little_edc_4, little_edc_4 * little_edc_3),
+        little_edc_11,
+        little_fdp_13,
     );
     let little_interosseous_1 = L::splat(0.008) * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
@@ -2770,23 +1507,9 @@ pub fn evaluate(
         ),
     );
     let little_interosseous_11 = sqrt(little_interosseous_10);
-<<<<<<< HEAD
     let little_interosseous_12 = L::splat(1.0) / little_interosseous_11;
-    let little_interosseous_13 = little_interosseous_4 * little_interosseous_12;
-    let little_interosseous_14 = (L::splat(0.03086243671520445) + little_interosseous_11
+    let little_interosseous_13 = (L::splat(0.03086243671520445) + little_interosseous_11
         - rest_little_interosseous) * c_1;
-    let little_ab_31 = mul_add(
-        mul_add(
-            little_interosseous_5,
-            little_interosseous_13,
-            little_interosseous_3 * (little_interosseous_6 * little_interosseous_12),
-        ),
-        little_interosseous_14,
-        little_ab_30,
-=======
-    let little_interosseous_12 = 1.0 / little_interosseous_11;
-    let little_interosseous_13 = k_intrinsic
-        * (0.03086243671520445 + little_interosseous_11 - rest_little_interosseous);
     let little_ab_16 = mul_add(
         little_interosseous_12
             * mul_add(
@@ -2796,7 +1519,6 @@ pub fn evaluate(
             ),
         little_interosseous_13,
         little_ab_15,
->>>>>>> work-a
     );
     let little_band_1 = neg_mul_add(
         L::splat(0.007999999999999998),
@@ -2823,88 +1545,41 @@ pub fn evaluate(
         mul_add(little_band_3, little_band_3, little_band_5 * little_band_5),
     );
     let little_band_9 = sqrt(little_band_8);
-<<<<<<< HEAD
     let little_band_10 = L::splat(1.0) / little_band_9;
-    let little_band_11 = little_band_3 * little_band_10;
-    let little_band_12 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.7e-5),
-            cos_little_pip,
-            L::splat(3.5999999999999994e-5) * sin_little_pip,
-        ),
-        L::splat(8.999999999999998e-5),
-    );
-    let little_band_13 = sqrt(little_band_12);
-    let little_band_14 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.825e-5),
-            cos_little_dip,
-            L::splat(2.5999999999999988e-5) * sin_little_dip,
-        ),
-        L::splat(9.649999999999999e-5),
-    );
-    let little_band_15 = sqrt(little_band_14);
-    let little_band_16 = (L::splat(0.06932376200206641) + little_band_9 + little_band_13
-        + little_band_15 - rest_little_band) * c_1;
-    let little_ab_32 = neg_mul_add(
-        neg_mul_add(
-            little_band_4,
-            little_band_11,
-            little_band_1 * (little_band_5 * little_band_10),
-        ),
-        little_band_16,
-        little_ab_31,
-    );
-    force[12] = neg_mul_add(v_little_ab, c_0, little_ab_32);
-    let little_mcp_9 = little_ab_15 + little_ab_4;
-    let little_mcp_10 = L::splat(9.81) * cos_little_mcp;
-    let little_mcp_11 = L::splat(9.81) * sin_little_mcp;
-    let little_mcp_12 = (little_ab_25 + little_ab_22) * little_mcp_11;
-    let little_mcp_13 = mul_sub(
-        L::splat(0.00014965563926121566) + little_mcp_9,
-        little_mcp_10,
-        little_mcp_12,
-    ) - mul_add(little_ab_7, little_ab_29, little_ab_12 * little_ab_21);
-    let little_mcp_14 = mul_add(
-        mul_add(
-            little_fdp_5,
-            little_fdp_10,
-            little_fdp_2 * (little_fdp_6 * little_fdp_9),
-        ),
-        little_fdp_15,
-        little_mcp_13,
-=======
-    let little_band_10 = 1.0 / little_band_9;
     let little_band_11 = sqrt(
-        8.999999999999998e-5
-            - mul_sub(5.4e-5, cos_little_pip, 7.199999999999999e-5 * sin_little_pip),
+        L::splat(8.999999999999998e-5)
+            - mul_sub(
+                L::splat(5.4e-5),
+                cos_little_pip,
+                L::splat(7.199999999999999e-5) * sin_little_pip,
+            ),
     );
     let little_band_12 = sqrt(
-        9.649999999999999e-5
-            - mul_sub(7.65e-5, cos_little_dip, 5.1999999999999976e-5 * sin_little_dip),
+        L::splat(9.649999999999999e-5)
+            - mul_sub(
+                L::splat(7.65e-5),
+                cos_little_dip,
+                L::splat(5.1999999999999976e-5) * sin_little_dip,
+            ),
     );
-    let little_band_13 = k_intrinsic
-        * (0.06932376200206641 + little_band_9 + little_band_11 + little_band_12
-            - rest_little_band);
+    let little_band_13 = (L::splat(0.06932376200206641) + little_band_9 + little_band_11
+        + little_band_12 - rest_little_band) * c_1;
     let little_ab_17 = neg_mul_add(
         little_band_10
             * mul_sub(little_band_1, little_band_5, little_band_4 * little_band_3),
         little_band_13,
         little_ab_16,
     );
-    force[coordinate::LITTLE_AB] = neg_mul_add(damping, v_little_ab, little_ab_17);
+    force[12] = neg_mul_add(v_little_ab, c_0, little_ab_17);
     let little_mcp_23 = v_little_ab * little_ab_9;
     let little_mcp_24 = neg_mul_add(
         mul_add(v_little_ab, little_ab_5, little_mcp_23),
         v_little_ab * little_mcp_4,
         neg_mul_add(little_mcp_13, little_mcp_5, little_mcp_15 * little_mcp_3),
->>>>>>> work-a
     );
     let little_mcp_25 = v_little_ab * v_little_ab;
     let little_mcp_26 = mul_add(
-        0.00021262660990969417,
+        L::splat(0.00021262660990969417),
         little_ab_3,
         neg_mul_add(little_ab_3 * little_ab_13, little_mcp_25, little_mcp_24),
     );
@@ -2919,93 +1594,24 @@ pub fn evaluate(
         v_little_ab * little_mcp_8,
         neg_mul_add(little_mcp_7, little_mcp_20, little_mcp_10 * little_mcp_18),
     );
-<<<<<<< HEAD
-    force[13] = neg_mul_add(v_little_mcp, c_0, little_mcp_17);
-    let little_pip_2 = mul_sub(little_ab_12, little_ab_22, little_ab_7 * little_ab_4);
-    let little_pip_3 = L::splat(0.0327) * little_ab_12
-        * (mul_sub(little_ab_12, little_ab_25, little_ab_7 * little_ab_15)
-            + little_pip_2);
-    let little_pip_4 = mul_sub(
-        L::splat(0.0327) * v_little_mcp,
-        neg_mul_add(little_mcp_1, little_ab_25, little_dip_1),
-        little_pip_3,
-    );
-    let little_pip_5 = little_pip_4
-        - mul_add(little_ab_7, little_ab_28, little_ab_12 * little_ab_20)
-        + neg_mul_add(
-            L::splat(0.0021532675088961877),
-            cos_little_mcp,
-            mul_sub(little_mcp_9, little_mcp_10, little_mcp_12),
-        );
-    let little_fdp_17 = mul_add(
-        L::splat(1.1621999999999991e-5),
-        sin_little_pip,
-        L::splat(0.000156418) * cos_little_pip,
-    ) / little_fdp_12;
-    let little_edc_14 = mul_add(
-        L::splat(7.699999999999999e-5),
-        sin_little_pip,
-        L::splat(3.6000000000000014e-5) * cos_little_pip,
-    ) / little_edc_12;
-    let little_band_17 = mul_add(
-        L::splat(2.7e-5),
-        sin_little_pip,
-        L::splat(3.5999999999999994e-5) * cos_little_pip,
-    ) / little_band_13;
-    let little_pip_6 = neg_mul_add(
-        little_band_17,
-        little_band_16,
-        neg_mul_add(
-            little_edc_14,
-            little_edc_13,
-            mul_add(little_fdp_17, little_fdp_15, little_pip_5),
-        ),
-    );
-    force[14] = neg_mul_add(v_little_pip, c_0, little_pip_6);
-    let little_dip_2 = mul_sub(
-        mul_sub(little_ab_2, little_mcp_1, little_mcp_3),
-        little_dip_1,
-        mul_add(little_ab_8, little_ab_7, little_ab_2 * little_ab_12) * little_pip_2,
-    );
-    let little_dip_3 = neg_mul_add(
-        little_ab_8 * little_mcp_1,
-        little_pip_1,
-        little_dip_2,
-    ) - mul_add(little_ab_7, little_ab_24, little_ab_12 * little_ab_13);
-    let little_dip_4 = mul_sub(
-        little_ab_8,
-        L::splat(0.026578326238711772) * sin_little_mcp,
-        little_ab_2 * (L::splat(0.026578326238711772) * cos_little_mcp),
-    );
-    let little_dip_5 = little_dip_3
-        + (neg_mul_add(little_ab_22, little_mcp_11, little_ab_4 * little_mcp_10)
-            + little_dip_4);
-    let little_fdp_18 = mul_sub(
-        L::splat(1.3619199999999997e-5),
-        sin_little_dip,
-        L::splat(6.9608e-5) * cos_little_dip,
-    ) / little_fdp_14;
-    let little_band_18 = mul_add(
-        L::splat(3.825e-5),
-        sin_little_dip,
-        L::splat(2.5999999999999988e-5) * cos_little_dip,
-    ) / little_band_15;
-    force[15] = neg_mul_add(
-=======
     let little_mcp_30 = little_mcp_26
         + neg_mul_add(
             little_ab_2 * little_ab_6,
             little_mcp_25,
             little_mcp_28 + little_mcp_29,
         );
-    let little_mcp_31 = mul_add(0.0008364687440661672, little_ab_2, little_mcp_30);
+    let little_mcp_31 = mul_add(
+        L::splat(0.0008364687440661672),
+        little_ab_2,
+        little_mcp_30,
+    );
     let little_mcp_32 = neg_mul_add(
         v_little_ab * little_mcp_9,
         mul_add(v_little_ab, little_ab_8, little_mcp_27),
         neg_mul_add(little_mcp_10, little_mcp_19, little_mcp_7 * little_mcp_21),
     );
     let little_mcp_33 = mul_add(
-        0.0036213893300487137,
+        L::splat(0.0036213893300487137),
         cos_little_mcp,
         little_mcp_31
             + neg_mul_add(cos_little_mcp * little_ab_10, little_mcp_25, little_mcp_32),
@@ -3036,82 +1642,65 @@ pub fn evaluate(
         little_band_13,
         little_mcp_36,
     );
-    force[coordinate::LITTLE_MCP] = neg_mul_add(damping, v_little_mcp, little_mcp_37);
-    let little_fdp_13 = mul_add(
-        1.1621999999999991e-5,
+    force[13] = neg_mul_add(v_little_mcp, c_0, little_mcp_37);
+    let little_fdp_14 = mul_add(
+        L::splat(1.1621999999999991e-5),
         sin_little_pip,
-        0.000156418 * cos_little_pip,
+        L::splat(0.000156418) * cos_little_pip,
     ) / little_fdp_10;
-    let little_edc_13 = mul_add(
-        7.699999999999999e-5,
+    let little_edc_12 = mul_add(
+        L::splat(7.699999999999999e-5),
         sin_little_pip,
-        3.6000000000000014e-5 * cos_little_pip,
+        L::splat(3.6000000000000014e-5) * cos_little_pip,
     ) / little_edc_10;
     let little_band_14 = mul_add(
-        2.7e-5,
+        L::splat(2.7e-5),
         sin_little_pip,
-        3.5999999999999994e-5 * cos_little_pip,
+        L::splat(3.5999999999999994e-5) * cos_little_pip,
     ) / little_band_11;
     let little_pip_1 = neg_mul_add(
         little_band_14,
         little_band_13,
         neg_mul_add(
-            little_edc_13,
+            little_edc_12,
             little_edc_11,
-            mul_add(little_fdp_13, little_fdp_12, little_mcp_31),
+            mul_add(little_fdp_14, little_fdp_12, little_mcp_31),
         ),
     );
-    force[coordinate::LITTLE_PIP] = neg_mul_add(damping, v_little_pip, little_pip_1);
-    let little_fdp_14 = mul_sub(
-        1.3619199999999997e-5,
+    force[14] = neg_mul_add(v_little_pip, c_0, little_pip_1);
+    let little_fdp_15 = mul_sub(
+        L::splat(1.3619199999999997e-5),
         sin_little_dip,
-        6.9608e-5 * cos_little_dip,
+        L::splat(6.9608e-5) * cos_little_dip,
     ) / little_fdp_11;
     let little_band_15 = mul_add(
-        3.825e-5,
+        L::splat(3.825e-5),
         sin_little_dip,
-        2.5999999999999988e-5 * cos_little_dip,
+        L::splat(2.5999999999999988e-5) * cos_little_dip,
     ) / little_band_12;
-    force[coordinate::LITTLE_DIP] = neg_mul_add(
-        damping,
->>>>>>> work-a
+    force[15] = neg_mul_add(
         v_little_dip,
         c_0,
         neg_mul_add(
-<<<<<<< HEAD
-            little_band_18,
-            little_band_16,
-            neg_mul_add(little_fdp_18, little_fdp_15, little_dip_5),
-=======
             little_band_15,
             little_band_13,
-            neg_mul_add(little_fdp_14, little_fdp_12, little_mcp_26),
->>>>>>> work-a
+            neg_mul_add(little_fdp_15, little_fdp_12, little_mcp_26),
         ),
     );
     let thumb_fpl_1 = L::splat(0.012) * sin_thumb_cmc;
     let thumb_fpl_2 = L::splat(0.012) * cos_thumb_cmc;
     let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-<<<<<<< HEAD
     let thumb_fpl_4 = mul_add(
-        L::splat(0.008000000000000004),
+        L::splat(0.008000000000000002),
         cos_thumb_ab,
-        L::splat(0.0029999999999999996) * sin_thumb_ab,
+        L::splat(0.003) * sin_thumb_ab,
     );
     let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
     let thumb_fpl_6 = neg_mul_add(
-        L::splat(0.0029999999999999996),
+        L::splat(0.003),
         cos_thumb_ab,
-        L::splat(0.008000000000000004) * sin_thumb_ab,
-=======
-    let thumb_fpl_4 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab);
-    let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
-    let thumb_fpl_6 = neg_mul_add(
-        0.003,
-        cos_thumb_ab,
-        0.008000000000000002 * sin_thumb_ab,
->>>>>>> work-a
+        L::splat(0.008000000000000002) * sin_thumb_ab,
     );
     let thumb_fpl_7 = L::splat(-0.002) - thumb_fpl_6;
     let thumb_fpl_8 = thumb_fpl_2 + thumb_fpl_1;
@@ -3122,342 +1711,170 @@ pub fn evaluate(
         mul_add(thumb_fpl_5, thumb_fpl_5, thumb_fpl_7 * thumb_fpl_7),
     );
     let thumb_fpl_11 = sqrt(thumb_fpl_10);
-<<<<<<< HEAD
     let thumb_fpl_12 = L::splat(1.0) / thumb_fpl_11;
-    let thumb_fpl_13 = thumb_fpl_5 * thumb_fpl_12;
-    let thumb_fpl_14 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(9.999999999999972e-6),
-            cos_thumb_mcp,
-            L::splat(0.00021) * sin_thumb_mcp,
-        ),
-        L::splat(0.00042100000000000004),
-    );
-    let thumb_fpl_15 = sqrt(thumb_fpl_14);
-    let thumb_fpl_16 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(4.799999999999981e-6),
-            cos_thumb_ip,
-            L::splat(0.00014879999999999998) * sin_thumb_ip,
-        ),
-        L::splat(0.00030115999999999997),
-    );
-    let thumb_fpl_17 = sqrt(thumb_fpl_16);
-    let thumb_fpl_18 = (L::splat(0.0774786774042295) + thumb_fpl_11 + thumb_fpl_15
-        + thumb_fpl_17 - rest_thumb_fpl) * c_2;
-    let thumb_ab_30 = thumb_ab_15 + thumb_ab_4;
-    let thumb_ab_31 = L::splat(0.00044625375511580167) + thumb_ab_30;
-    let thumb_ab_32 = L::splat(9.81)
-        * mul_sub(
-            L::splat(0.19866933079506122),
-            sin_thumb_ab,
-            L::splat(0.8246975884333746) * cos_thumb_ab,
-        );
-    let thumb_ab_33 = thumb_ab_25 + thumb_ab_22;
-    let thumb_ab_34 = mul_sub(
-        sin_thumb_cmc,
-        thumb_ab_33 * thumb_ab_32,
-        cos_thumb_cmc * (thumb_ab_31 * thumb_ab_32),
-    );
-    let thumb_ab_35 = mul_add(
-        mul_add(thumb_fpl_6, thumb_fpl_13, thumb_fpl_4 * (thumb_fpl_7 * thumb_fpl_12)),
-        thumb_fpl_18,
-        thumb_ab_34,
-    );
-    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = mul_add(
-        L::splat(0.004),
-        cos_thumb_ab,
-        L::splat(0.008) * sin_thumb_ab,
-    );
-    let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
-    let thumb_epl_4 = neg_mul_add(
-        L::splat(0.008),
-        cos_thumb_ab,
-        L::splat(0.004) * sin_thumb_ab,
-    );
-    let thumb_epl_5 = L::splat(-0.008) - thumb_epl_4;
-    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_7 = L::splat(-0.012000000000000004) + thumb_epl_6;
-    let thumb_epl_8 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
-        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
-    );
-    let thumb_epl_9 = sqrt(thumb_epl_8);
-    let thumb_epl_10 = L::splat(1.0) / thumb_epl_9;
-    let thumb_epl_11 = thumb_epl_3 * thumb_epl_10;
-    let thumb_epl_12 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(0.00011549999999999999),
-            cos_thumb_mcp,
-            L::splat(5.17e-5) * sin_thumb_mcp,
-        ),
-        L::splat(0.00025309000000000003),
-    );
-    let thumb_epl_13 = sqrt(thumb_epl_12);
-    let thumb_epl_14 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(9.475e-5),
-            cos_thumb_ip,
-            L::splat(4.6000000000000014e-5) * sin_thumb_ip,
-        ),
-        L::splat(0.00021066000000000002),
-    );
-    let thumb_epl_15 = sqrt(thumb_epl_14);
-    let thumb_epl_16 = (L::splat(0.10924140044546013) + thumb_epl_9 + thumb_epl_13
-        + thumb_epl_15 - rest_thumb_epl) * c_3;
-    let thumb_ab_36 = mul_add(
-        mul_add(thumb_epl_4, thumb_epl_11, thumb_epl_2 * (thumb_epl_5 * thumb_epl_10)),
-        thumb_epl_16,
-        thumb_ab_35,
-    );
-    let thumb_epb_1 = neg_mul_add(
-        L::splat(0.003999999999999999),
-        cos_thumb_ab,
-        L::splat(0.005000000000000001) * sin_thumb_ab,
-=======
-    let thumb_fpl_12 = 1.0 / thumb_fpl_11;
     let thumb_fpl_13 = sqrt(
-        0.00042100000000000004
-            - mul_add(1.9999999999999944e-5, cos_thumb_mcp, 0.00042 * sin_thumb_mcp),
-    );
-    let thumb_fpl_14 = sqrt(
-        0.00030115999999999997
-            - neg_mul_add(
-                9.599999999999962e-6,
-                cos_thumb_ip,
-                0.00029759999999999997 * sin_thumb_ip,
+        L::splat(0.00042100000000000004)
+            - mul_add(
+                L::splat(1.9999999999999944e-5),
+                cos_thumb_mcp,
+                L::splat(0.00042) * sin_thumb_mcp,
             ),
     );
-    let thumb_fpl_15 = k_flexor
-        * (0.0774786774042295 + thumb_fpl_11 + thumb_fpl_13 + thumb_fpl_14
-            - rest_thumb_fpl);
-    let thumb_ab_15 = 9.81
-        * mul_sub(0.19866933079506122, sin_thumb_ab, 0.8246975884333746 * cos_thumb_ab)
-        * (thumb_ab_4 + mul_add(0.001231392781101626, cos_thumb_cmc, thumb_ab_8));
-    let thumb_ab_16 = mul_sub(
-        thumb_fpl_12 * mul_add(thumb_fpl_4, thumb_fpl_7, thumb_fpl_6 * thumb_fpl_5),
-        thumb_fpl_15,
-        thumb_ab_15,
+    let thumb_fpl_14 = sqrt(
+        L::splat(0.00030115999999999997)
+            - neg_mul_add(
+                L::splat(9.599999999999962e-6),
+                cos_thumb_ip,
+                L::splat(0.00029759999999999997) * sin_thumb_ip,
+            ),
     );
-    let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = 0.004 * cos_thumb_ab;
-    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2);
+    let thumb_fpl_15 = (L::splat(0.0774786774042295) + thumb_fpl_11 + thumb_fpl_13
+        + thumb_fpl_14 - rest_thumb_fpl) * c_3;
+    let thumb_fpl_16 = thumb_fpl_12
+        * mul_add(thumb_fpl_4, thumb_fpl_7, thumb_fpl_6 * thumb_fpl_5) * thumb_fpl_15;
+    let thumb_ab_15 = neg_mul_add(
+        L::splat(9.81)
+            * mul_sub(
+                L::splat(0.19866933079506122),
+                sin_thumb_ab,
+                L::splat(0.8246975884333746) * cos_thumb_ab,
+            ),
+        thumb_ab_4 + mul_add(L::splat(0.001231392781101626), cos_thumb_cmc, thumb_ab_8),
+        thumb_fpl_16,
+    );
+    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, thumb_fpl_1);
+    let thumb_epl_2 = L::splat(0.004) * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(L::splat(0.008), sin_thumb_ab, thumb_epl_2);
     let thumb_epl_4 = thumb_epl_3 + thumb_epl_1;
-    let thumb_epl_5 = 0.004 * sin_thumb_ab;
-    let thumb_epl_6 = neg_mul_add(0.008, cos_thumb_ab, thumb_epl_5);
-    let thumb_epl_7 = -0.008 - thumb_epl_6;
-    let thumb_epl_8 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_9 = -0.012 + thumb_epl_8;
+    let thumb_epl_5 = L::splat(0.004) * sin_thumb_ab;
+    let thumb_epl_6 = neg_mul_add(L::splat(0.008), cos_thumb_ab, thumb_epl_5);
+    let thumb_epl_7 = L::splat(-0.008) - thumb_epl_6;
+    let thumb_epl_8 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_9 = L::splat(-0.012) + thumb_epl_8;
     let thumb_epl_10 = mul_add(
         thumb_epl_9,
         thumb_epl_9,
         mul_add(thumb_epl_4, thumb_epl_4, thumb_epl_7 * thumb_epl_7),
     );
     let thumb_epl_11 = sqrt(thumb_epl_10);
-    let thumb_epl_12 = 1.0 / thumb_epl_11;
+    let thumb_epl_12 = L::splat(1.0) / thumb_epl_11;
     let thumb_epl_13 = sqrt(
-        0.00025309000000000003
-            - mul_sub(0.00023099999999999998, cos_thumb_mcp, 0.0001034 * sin_thumb_mcp),
+        L::splat(0.00025309000000000003)
+            - mul_sub(
+                L::splat(0.00023099999999999998),
+                cos_thumb_mcp,
+                L::splat(0.0001034) * sin_thumb_mcp,
+            ),
     );
     let thumb_epl_14 = sqrt(
-        0.00021066000000000002
-            - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
+        L::splat(0.00021066000000000002)
+            - mul_sub(
+                L::splat(0.0001895),
+                cos_thumb_ip,
+                L::splat(9.200000000000003e-5) * sin_thumb_ip,
+            ),
     );
-    let thumb_epl_15 = k_extensor
-        * (0.10924140044546013 + thumb_epl_11 + thumb_epl_13 + thumb_epl_14
-            - rest_thumb_epl);
-    let thumb_ab_17 = mul_add(
+    let thumb_epl_15 = (L::splat(0.10924140044546013) + thumb_epl_11 + thumb_epl_13
+        + thumb_epl_14 - rest_thumb_epl) * c_2;
+    let thumb_ab_16 = mul_add(
         thumb_epl_12 * mul_add(thumb_epl_3, thumb_epl_7, thumb_epl_6 * thumb_epl_4),
         thumb_epl_15,
-        thumb_ab_16,
->>>>>>> work-a
+        thumb_ab_15,
     );
-    let thumb_epb_1 = mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
+    let thumb_epb_1 = mul_sub(L::splat(0.005000000000000003), sin_thumb_ab, thumb_epl_2);
     let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
-<<<<<<< HEAD
-    let thumb_epb_3 = mul_add(
-        L::splat(0.005000000000000001),
-        cos_thumb_ab,
-        L::splat(0.003999999999999999) * sin_thumb_ab,
-    );
+    let thumb_epb_3 = mul_add(L::splat(0.005000000000000003), cos_thumb_ab, thumb_epl_5);
     let thumb_epb_4 = L::splat(0.005) - thumb_epb_3;
-    let thumb_epb_5 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
-        mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
-    );
-    let thumb_epb_6 = sqrt(thumb_epb_5);
-    let thumb_epb_7 = L::splat(1.0) / thumb_epb_6;
-    let thumb_epb_8 = thumb_epb_2 * thumb_epb_7;
-    let thumb_epb_9 = (thumb_epl_13 + (L::splat(0.07536380062479958) + thumb_epb_6)
-        - rest_thumb_epb) * c_1;
-    let thumb_ab_37 = neg_mul_add(
-        neg_mul_add(thumb_epb_3, thumb_epb_8, thumb_epb_1 * (thumb_epb_4 * thumb_epb_7)),
-=======
-    let thumb_epb_3 = mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_5);
-    let thumb_epb_4 = 0.005 - thumb_epb_3;
-    let thumb_epb_5 = -0.012000000000000004 + thumb_epl_8;
+    let thumb_epb_5 = L::splat(-0.012000000000000004) + thumb_epl_8;
     let thumb_epb_6 = mul_add(
         thumb_epb_5,
         thumb_epb_5,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
     let thumb_epb_7 = sqrt(thumb_epb_6);
-    let thumb_epb_8 = 1.0 / thumb_epb_7;
-    let thumb_epb_9 = k_intrinsic
-        * (thumb_epl_13 + (0.07536380062479958 + thumb_epb_7) - rest_thumb_epb);
-    let thumb_ab_18 = neg_mul_add(
+    let thumb_epb_8 = L::splat(1.0) / thumb_epb_7;
+    let thumb_epb_9 = (thumb_epl_13 + (L::splat(0.07536380062479958) + thumb_epb_7)
+        - rest_thumb_epb) * c_1;
+    let thumb_ab_17 = neg_mul_add(
         thumb_epb_8 * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2),
->>>>>>> work-a
         thumb_epb_9,
-        thumb_ab_17,
+        thumb_ab_16,
     );
     let thumb_apl_1 = neg_mul_add(
         L::splat(0.007000000000000001),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.012000000000000004) * sin_thumb_ab,
-=======
-        0.012000000000000002 * sin_thumb_ab,
->>>>>>> work-a
+        L::splat(0.012000000000000002) * sin_thumb_ab,
     );
     let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-<<<<<<< HEAD
-        L::splat(0.012000000000000004),
-=======
-        0.012000000000000002,
->>>>>>> work-a
+        L::splat(0.012000000000000002),
         cos_thumb_ab,
         L::splat(0.007000000000000001) * sin_thumb_ab,
     );
-<<<<<<< HEAD
     let thumb_apl_6 = L::splat(0.012) - thumb_apl_5;
     let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
-=======
-    let thumb_apl_6 = 0.012 - thumb_apl_5;
-    let thumb_apl_7 = 0.006 * sin_thumb_cmc;
-    let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = -0.005000000000000003 + thumb_apl_8;
->>>>>>> work-a
+    let thumb_apl_9 = L::splat(-0.005000000000000003) + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
     let thumb_apl_11 = sqrt(thumb_apl_10);
-<<<<<<< HEAD
     let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
-    let thumb_apl_13 = thumb_apl_4 * thumb_apl_12;
-    let thumb_apl_14 = (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl)
+    let thumb_apl_13 = (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl)
         * c_1;
-    let thumb_ab_38 = neg_mul_add(
-        neg_mul_add(
-            thumb_apl_5,
-            thumb_apl_13,
-            thumb_apl_1 * (thumb_apl_6 * thumb_apl_12),
-        ),
-        thumb_apl_14,
-        thumb_ab_37,
-=======
-    let thumb_apl_12 = 1.0 / thumb_apl_11;
-    let thumb_apl_13 = k_intrinsic
-        * (0.030550892117392127 + thumb_apl_11 - rest_thumb_apl);
-    let thumb_ab_19 = neg_mul_add(
+    let thumb_ab_18 = neg_mul_add(
         thumb_apl_12 * mul_sub(thumb_apl_1, thumb_apl_6, thumb_apl_5 * thumb_apl_4),
         thumb_apl_13,
-        thumb_ab_18,
->>>>>>> work-a
+        thumb_ab_17,
     );
     let thumb_apb_1 = neg_mul_add(
         L::splat(0.00874910502142235),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.003271760106466037) * sin_thumb_ab,
+        L::splat(0.003271760106466038) * sin_thumb_ab,
     );
     let thumb_apb_2 = mul_sub(
         L::splat(0.03),
         cos_thumb_cmc,
         L::splat(0.007) * sin_thumb_cmc,
-=======
-        0.003271760106466038 * sin_thumb_ab,
->>>>>>> work-a
     );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-<<<<<<< HEAD
-        L::splat(0.003271760106466037),
-=======
-        0.003271760106466038,
->>>>>>> work-a
+        L::splat(0.003271760106466038),
         cos_thumb_ab,
         L::splat(0.00874910502142235) * sin_thumb_ab,
     );
-<<<<<<< HEAD
     let thumb_apb_5 = L::splat(0.009) - thumb_apb_4;
     let thumb_apb_6 = mul_add(
         L::splat(0.007),
         cos_thumb_cmc,
         L::splat(0.03) * sin_thumb_cmc,
     );
-    let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
-=======
-    let thumb_apb_5 = 0.009 - thumb_apb_4;
-    let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
-    let thumb_apb_7 = 0.013294688681193689 - thumb_apb_6;
->>>>>>> work-a
+    let thumb_apb_7 = L::splat(0.013294688681193689) - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
         mul_add(thumb_apb_3, thumb_apb_3, thumb_apb_5 * thumb_apb_5),
     );
     let thumb_apb_9 = sqrt(thumb_apb_8);
-<<<<<<< HEAD
     let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
-    let thumb_apb_11 = thumb_apb_3 * thumb_apb_10;
-    let thumb_apb_12 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(2.9599999999999994e-5),
-            cos_thumb_mcp,
-            L::splat(9.72e-5) * sin_thumb_mcp,
-        ),
-        L::splat(0.00020423999999999998),
-    );
-    let thumb_apb_13 = sqrt(thumb_apb_12);
-    let thumb_apb_14 = (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_13
-        - rest_thumb_apb) * c_1;
-    let thumb_ab_39 = neg_mul_add(
-        neg_mul_add(
-            thumb_apb_4,
-            thumb_apb_11,
-            thumb_apb_1 * (thumb_apb_5 * thumb_apb_10),
-        ),
-        thumb_apb_14,
-        thumb_ab_38,
-=======
-    let thumb_apb_10 = 1.0 / thumb_apb_9;
     let thumb_apb_11 = sqrt(
-        0.00020423999999999998
-            - neg_mul_add(5.919999999999999e-5, cos_thumb_mcp, 0.0001944 * sin_thumb_mcp),
+        L::splat(0.00020423999999999998)
+            - neg_mul_add(
+                L::splat(5.919999999999999e-5),
+                cos_thumb_mcp,
+                L::splat(0.0001944) * sin_thumb_mcp,
+            ),
     );
-    let thumb_apb_12 = k_intrinsic
-        * (0.008062257748298557 + thumb_apb_9 + thumb_apb_11 - rest_thumb_apb);
-    let thumb_ab_20 = neg_mul_add(
+    let thumb_apb_12 = (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_11
+        - rest_thumb_apb) * c_1;
+    let thumb_ab_19 = neg_mul_add(
         thumb_apb_10 * mul_sub(thumb_apb_1, thumb_apb_5, thumb_apb_4 * thumb_apb_3),
         thumb_apb_12,
-        thumb_ab_19,
->>>>>>> work-a
+        thumb_ab_18,
     );
     let thumb_opp_1 = mul_sub(
         L::splat(0.028),
@@ -3467,19 +1884,11 @@ pub fn evaluate(
     let thumb_opp_2 = mul_add(
         L::splat(0.009538977305795334),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.00046527292621430325) * sin_thumb_ab,
+        L::splat(0.0004652729262143015) * sin_thumb_ab,
     );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        L::splat(0.00046527292621430325),
-=======
-        0.0004652729262143015 * sin_thumb_ab,
-    );
-    let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
-    let thumb_opp_4 = neg_mul_add(
-        0.0004652729262143015,
->>>>>>> work-a
+        L::splat(0.0004652729262143015),
         cos_thumb_ab,
         L::splat(0.009538977305795334) * sin_thumb_ab,
     );
@@ -3496,174 +1905,58 @@ pub fn evaluate(
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
     let thumb_opp_9 = sqrt(thumb_opp_8);
-<<<<<<< HEAD
     let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
-    let thumb_opp_11 = thumb_opp_3 * thumb_opp_10;
-    let thumb_opp_12 = (thumb_opp_9 - rest_thumb_opp) * c_1;
-    let thumb_ab_40 = mul_add(
-        mul_add(thumb_opp_4, thumb_opp_11, thumb_opp_2 * (thumb_opp_5 * thumb_opp_10)),
-        thumb_opp_12,
-        thumb_ab_39,
-=======
-    let thumb_opp_10 = 1.0 / thumb_opp_9;
-    let thumb_opp_11 = k_intrinsic * (thumb_opp_9 - rest_thumb_opp);
-    let thumb_ab_21 = mul_add(
+    let thumb_opp_11 = (thumb_opp_9 - rest_thumb_opp) * c_1;
+    let thumb_ab_20 = mul_add(
         thumb_opp_10 * mul_add(thumb_opp_2, thumb_opp_5, thumb_opp_4 * thumb_opp_3),
         thumb_opp_11,
-        thumb_ab_20,
->>>>>>> work-a
+        thumb_ab_19,
     );
     let thumb_adp_1 = mul_sub(
         L::splat(0.025486067515228545),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.029821276684971594) * sin_thumb_ab,
+        L::splat(0.029821276684971587) * sin_thumb_ab,
     );
     let thumb_adp_2 = mul_sub(
         L::splat(0.038000000000000006),
         cos_thumb_cmc,
         thumb_apl_7,
-=======
-        0.029821276684971587 * sin_thumb_ab,
->>>>>>> work-a
     );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-<<<<<<< HEAD
-        L::splat(0.029821276684971594),
-=======
-        0.029821276684971587,
->>>>>>> work-a
+        L::splat(0.029821276684971587),
         cos_thumb_ab,
         L::splat(0.025486067515228545) * sin_thumb_ab,
     );
-<<<<<<< HEAD
     let thumb_adp_5 = L::splat(-0.009) + thumb_adp_4;
     let thumb_adp_6 = mul_add(
         L::splat(0.038000000000000006),
         sin_thumb_cmc,
         thumb_apl_2,
     );
-    let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
-=======
-    let thumb_adp_5 = -0.009 + thumb_adp_4;
-    let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
-    let thumb_adp_7 = 0.040658969729785124 - thumb_adp_6;
->>>>>>> work-a
+    let thumb_adp_7 = L::splat(0.040658969729785124) - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
     let thumb_adp_9 = sqrt(thumb_adp_8);
-<<<<<<< HEAD
     let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
-    let thumb_adp_11 = thumb_adp_3 * thumb_adp_10;
-    let thumb_adp_12 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(L::splat(3.56e-5), cos_thumb_mcp, L::splat(8.9e-5) * sin_thumb_mcp),
-        L::splat(0.00019224000000000004),
-    );
-    let thumb_adp_13 = sqrt(thumb_adp_12);
-    let thumb_adp_14 = (thumb_adp_9 + thumb_adp_13 - rest_thumb_adp) * c_1;
-    let thumb_ab_41 = neg_mul_add(
-        mul_add(thumb_adp_4, thumb_adp_11, thumb_adp_1 * (thumb_adp_5 * thumb_adp_10)),
-        thumb_adp_14,
-        thumb_ab_40,
-    );
-    force[16] = neg_mul_add(v_thumb_ab, c_0, thumb_ab_41);
-    let thumb_cmc_9 = mul_add(
-        L::splat(0.19866933079506122),
-        cos_thumb_ab * sin_thumb_cmc,
-        L::splat(0.8246975884333746) * (sin_thumb_ab * sin_thumb_cmc),
-    );
-    let thumb_cmc_10 = mul_sub(L::splat(0.5295322319119196), cos_thumb_cmc, thumb_cmc_9);
-    let thumb_cmc_11 = L::splat(9.81) * thumb_cmc_10;
-    let thumb_cmc_12 = mul_add(
-        L::splat(0.19866933079506122),
-        cos_thumb_ab * cos_thumb_cmc,
-        L::splat(0.8246975884333746) * (sin_thumb_ab * cos_thumb_cmc),
-    );
-    let thumb_cmc_13 = mul_add(
-        L::splat(0.5295322319119196),
-        sin_thumb_cmc,
-        thumb_cmc_12,
-    );
-    let thumb_cmc_14 = L::splat(9.81) * thumb_cmc_13;
-    let thumb_cmc_15 = thumb_ab_33 * thumb_cmc_14;
-    let thumb_cmc_16 = mul_sub(thumb_ab_31, thumb_cmc_11, thumb_cmc_15)
-        - mul_add(thumb_ab_7, thumb_ab_29, thumb_ab_12 * thumb_ab_21);
-    let thumb_cmc_17 = mul_add(
-        mul_add(thumb_fpl_8, thumb_fpl_13, thumb_fpl_3 * (thumb_fpl_9 * thumb_fpl_12)),
-        thumb_fpl_18,
-        thumb_cmc_16,
-    );
-    let thumb_cmc_18 = neg_mul_add(
-        mul_sub(thumb_epl_6, thumb_epl_11, thumb_epl_1 * (thumb_epl_7 * thumb_epl_10)),
-        thumb_epl_16,
-        thumb_cmc_17,
-    );
-    let thumb_cmc_19 = neg_mul_add(
-        mul_sub(thumb_epl_6, thumb_epb_8, thumb_epl_1 * (thumb_epl_7 * thumb_epb_7)),
-        thumb_epb_9,
-        thumb_cmc_18,
-    );
-    let thumb_cmc_20 = neg_mul_add(
-        mul_sub(thumb_apl_8, thumb_apl_13, thumb_apl_3 * (thumb_apl_9 * thumb_apl_12)),
-        thumb_apl_14,
-        thumb_cmc_19,
-    );
-    let thumb_cmc_21 = mul_add(
-        mul_add(thumb_apb_6, thumb_apb_11, thumb_apb_2 * (thumb_apb_7 * thumb_apb_10)),
-        thumb_apb_14,
-        thumb_cmc_20,
-    );
-    let thumb_cmc_22 = mul_add(
-        mul_add(thumb_opp_6, thumb_opp_11, thumb_opp_1 * (thumb_opp_7 * thumb_opp_10)),
-        thumb_opp_12,
-        thumb_cmc_21,
-    );
-    let thumb_cmc_23 = mul_add(
-        mul_add(thumb_adp_6, thumb_adp_11, thumb_adp_2 * (thumb_adp_7 * thumb_adp_10)),
-        thumb_adp_14,
-        thumb_cmc_22,
-    );
-    force[17] = neg_mul_add(v_thumb_cmc, c_0, thumb_cmc_23);
-    let thumb_mcp_2 = mul_sub(thumb_ab_12, thumb_ab_22, thumb_ab_7 * thumb_ab_4);
-    let thumb_mcp_3 = L::splat(0.046200000000000005) * thumb_ab_12
-        * (mul_sub(thumb_ab_12, thumb_ab_25, thumb_ab_7 * thumb_ab_15) + thumb_mcp_2);
-    let thumb_mcp_4 = mul_sub(
-        L::splat(0.046200000000000005) * v_thumb_cmc,
-        neg_mul_add(thumb_cmc_1, thumb_ab_25, thumb_ip_1),
-        thumb_mcp_3,
-    );
-    let thumb_mcp_5 = thumb_mcp_4
-        - mul_add(thumb_ab_7, thumb_ab_28, thumb_ab_12 * thumb_ab_20)
-        + neg_mul_add(
-            L::splat(0.007702213844920938),
-            thumb_cmc_10,
-            mul_sub(thumb_ab_30, thumb_cmc_11, thumb_cmc_15),
-        );
-    let thumb_fpl_19 = mul_sub(
-        L::splat(9.999999999999972e-6),
-        sin_thumb_mcp,
-        L::splat(0.00021) * cos_thumb_mcp,
-    ) / thumb_fpl_15;
-    let thumb_epl_17 = mul_add(
-        L::splat(0.00011549999999999999),
-=======
-    let thumb_adp_10 = 1.0 / thumb_adp_9;
     let thumb_adp_11 = sqrt(
-        0.00019224000000000004
-            - neg_mul_add(7.12e-5, cos_thumb_mcp, 0.000178 * sin_thumb_mcp),
+        L::splat(0.00019224000000000004)
+            - neg_mul_add(
+                L::splat(7.12e-5),
+                cos_thumb_mcp,
+                L::splat(0.000178) * sin_thumb_mcp,
+            ),
     );
-    let thumb_adp_12 = k_intrinsic * (thumb_adp_9 + thumb_adp_11 - rest_thumb_adp);
-    let thumb_ab_22 = neg_mul_add(
+    let thumb_adp_12 = (thumb_adp_9 + thumb_adp_11 - rest_thumb_adp) * c_1;
+    let thumb_ab_21 = neg_mul_add(
         thumb_adp_10 * mul_add(thumb_adp_1, thumb_adp_5, thumb_adp_4 * thumb_adp_3),
         thumb_adp_12,
-        thumb_ab_21,
+        thumb_ab_20,
     );
-    force[coordinate::THUMB_AB] = neg_mul_add(damping, v_thumb_ab, thumb_ab_22);
+    force[16] = neg_mul_add(v_thumb_ab, c_0, thumb_ab_21);
     let thumb_cmc_23 = v_thumb_ab * thumb_ab_9;
     let thumb_cmc_24 = neg_mul_add(
         mul_add(v_thumb_ab, thumb_ab_5, thumb_cmc_23),
@@ -3671,10 +1964,18 @@ pub fn evaluate(
         neg_mul_add(thumb_cmc_13, thumb_cmc_5, thumb_cmc_15 * thumb_cmc_3),
     );
     let thumb_cmc_25 = v_thumb_ab * v_thumb_ab;
-    let thumb_cmc_26 = 9.81
-        * mul_add(0.19866933079506122, cos_thumb_ab, 0.8246975884333746 * sin_thumb_ab);
+    let thumb_cmc_26 = L::splat(9.81)
+        * mul_add(
+            L::splat(0.19866933079506122),
+            cos_thumb_ab,
+            L::splat(0.8246975884333746) * sin_thumb_ab,
+        );
     let thumb_cmc_27 = neg_mul_add(thumb_ab_3 * thumb_ab_13, thumb_cmc_25, thumb_cmc_24)
-        + neg_mul_add(thumb_cmc_26, thumb_cmc_4, 0.00034235640421260765 * thumb_ab_3);
+        + neg_mul_add(
+            thumb_cmc_26,
+            thumb_cmc_4,
+            L::splat(0.00034235640421260765) * thumb_ab_3,
+        );
     let thumb_cmc_28 = v_thumb_ab * thumb_ab_4;
     let thumb_cmc_29 = neg_mul_add(
         v_thumb_ab * thumb_cmc_6,
@@ -3693,7 +1994,11 @@ pub fn evaluate(
             thumb_cmc_29 + thumb_cmc_30,
         );
     let thumb_cmc_32 = thumb_cmc_31
-        + neg_mul_add(thumb_cmc_26, thumb_cmc_8, 0.0018933824477241439 * thumb_ab_2);
+        + neg_mul_add(
+            thumb_cmc_26,
+            thumb_cmc_8,
+            L::splat(0.0018933824477241439) * thumb_ab_2,
+        );
     let thumb_cmc_33 = neg_mul_add(
         v_thumb_ab * thumb_cmc_9,
         mul_add(v_thumb_ab, thumb_ab_8, thumb_cmc_28),
@@ -3703,8 +2008,8 @@ pub fn evaluate(
         + neg_mul_add(cos_thumb_cmc * thumb_ab_10, thumb_cmc_25, thumb_cmc_33)
         + neg_mul_add(
             thumb_cmc_26,
-            0.001231392781101626 * sin_thumb_cmc,
-            0.006396729865499674 * cos_thumb_cmc,
+            L::splat(0.001231392781101626) * sin_thumb_cmc,
+            L::splat(0.006396729865499674) * cos_thumb_cmc,
         );
     let thumb_cmc_35 = mul_add(
         thumb_fpl_12 * mul_add(thumb_fpl_8, thumb_fpl_5, thumb_fpl_3 * thumb_fpl_9),
@@ -3741,15 +2046,14 @@ pub fn evaluate(
         thumb_adp_12,
         thumb_cmc_40,
     );
-    force[coordinate::THUMB_CMC] = neg_mul_add(damping, v_thumb_cmc, thumb_cmc_41);
-    let thumb_fpl_16 = mul_sub(
-        9.999999999999972e-6,
+    force[17] = neg_mul_add(v_thumb_cmc, c_0, thumb_cmc_41);
+    let thumb_fpl_17 = mul_sub(
+        L::splat(9.999999999999972e-6),
         sin_thumb_mcp,
-        0.00021 * cos_thumb_mcp,
+        L::splat(0.00021) * cos_thumb_mcp,
     ) / thumb_fpl_13;
     let thumb_epl_16 = mul_add(
-        0.00011549999999999999,
->>>>>>> work-a
+        L::splat(0.00011549999999999999),
         sin_thumb_mcp,
         L::splat(5.17e-5) * cos_thumb_mcp,
     ) / thumb_epl_13;
@@ -3759,32 +2063,20 @@ pub fn evaluate(
         neg_mul_add(
             thumb_epl_16,
             thumb_epl_15,
-            neg_mul_add(thumb_fpl_16, thumb_fpl_15, thumb_cmc_32),
+            neg_mul_add(thumb_fpl_17, thumb_fpl_15, thumb_cmc_32),
         ),
     );
-<<<<<<< HEAD
-    let thumb_apb_15 = mul_add(
+    let thumb_apb_13 = mul_add(
         L::splat(2.9599999999999994e-5),
         sin_thumb_mcp,
         L::splat(9.72e-5) * cos_thumb_mcp,
-    ) / thumb_apb_13;
-    let thumb_adp_15 = mul_add(
+    ) / thumb_apb_11;
+    let thumb_adp_13 = mul_add(
         L::splat(3.56e-5),
         sin_thumb_mcp,
         L::splat(8.9e-5) * cos_thumb_mcp,
-    ) / thumb_adp_13;
+    ) / thumb_adp_11;
     force[18] = neg_mul_add(
-=======
-    let thumb_apb_13 = mul_add(
-        2.9599999999999994e-5,
-        sin_thumb_mcp,
-        9.72e-5 * cos_thumb_mcp,
-    ) / thumb_apb_11;
-    let thumb_adp_13 = mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp)
-        / thumb_adp_11;
-    force[coordinate::THUMB_MCP] = neg_mul_add(
-        damping,
->>>>>>> work-a
         v_thumb_mcp,
         c_0,
         mul_add(
@@ -3793,53 +2085,23 @@ pub fn evaluate(
             mul_add(thumb_apb_13, thumb_apb_12, thumb_mcp_1),
         ),
     );
-<<<<<<< HEAD
-    let thumb_ip_2 = mul_sub(
-        mul_sub(thumb_ab_2, thumb_cmc_1, thumb_cmc_3),
-        thumb_ip_1,
-        mul_add(thumb_ab_8, thumb_ab_7, thumb_ab_2 * thumb_ab_12) * thumb_mcp_2,
-    );
-    let thumb_ip_3 = neg_mul_add(thumb_ab_8 * thumb_cmc_1, thumb_mcp_1, thumb_ip_2)
-        - mul_add(thumb_ab_7, thumb_ab_24, thumb_ab_12 * thumb_ab_13);
-    let thumb_ip_4 = mul_sub(
-        thumb_ab_8,
-        L::splat(0.05958765820125469) * thumb_cmc_13,
-        thumb_ab_2 * (L::splat(0.05958765820125469) * thumb_cmc_10),
-    );
-    let thumb_ip_5 = thumb_ip_3
-        + (neg_mul_add(thumb_ab_22, thumb_cmc_14, thumb_ab_4 * thumb_cmc_11)
-            + thumb_ip_4);
-    let thumb_fpl_20 = mul_add(
+    let thumb_fpl_18 = mul_add(
         L::splat(4.799999999999981e-6),
         sin_thumb_ip,
         L::splat(0.00014879999999999998) * cos_thumb_ip,
-    ) / thumb_fpl_17;
-    let thumb_epl_18 = mul_add(
+    ) / thumb_fpl_14;
+    let thumb_epl_17 = mul_add(
         L::splat(9.475e-5),
         sin_thumb_ip,
         L::splat(4.6000000000000014e-5) * cos_thumb_ip,
-    ) / thumb_epl_15;
-    force[19] = neg_mul_add(
-=======
-    let thumb_fpl_17 = mul_add(
-        4.799999999999981e-6,
-        sin_thumb_ip,
-        0.00014879999999999998 * cos_thumb_ip,
-    ) / thumb_fpl_14;
-    let thumb_epl_17 = mul_add(
-        9.475e-5,
-        sin_thumb_ip,
-        4.6000000000000014e-5 * cos_thumb_ip,
     ) / thumb_epl_14;
-    force[coordinate::THUMB_IP] = neg_mul_add(
-        damping,
->>>>>>> work-a
+    force[19] = neg_mul_add(
         v_thumb_ip,
         c_0,
         neg_mul_add(
             thumb_epl_17,
             thumb_epl_15,
-            mul_add(thumb_fpl_17, thumb_fpl_15, thumb_cmc_27),
+            mul_add(thumb_fpl_18, thumb_fpl_15, thumb_cmc_27),
         ),
     );
     force[20] = L::splat(0.0);
@@ -3888,8 +2150,8 @@ pub fn evaluate(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-<<<<<<< HEAD
-/// 4779 operations: 529 sums, 1267 products, 1431 products with sum, 50 divisions, 49 roots, 22 sines and cosines.
+/// 3660 operations: 556 sums, 1113 products, 935 products with sum, 50 divisions, 49 roots, 22 sines and cosines.
+#[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
     q: &[L; 26],
     v: &[L; 26],
@@ -3899,33 +2161,6 @@ pub fn evaluate_with_matrix<L: Lane>(
     momentum: &mut [L; 26],
     force: &mut [L; 26],
     matrix: &mut [L; 676],
-) {
-    let mut work = [L::splat(0.0); 97];
-    evaluate_with_matrix_part_1(
-        q,
-        v,
-        h,
-        rest,
-        constants,
-        momentum,
-        force,
-        matrix,
-        &mut work,
-    );
-    evaluate_with_matrix_part_2(v, constants, matrix, &mut work);
-}
-
-#[inline(never)]
-fn evaluate_with_matrix_part_1<L: Lane>(
-    q: &[L; 26],
-    v: &[L; 26],
-    h: L,
-    rest: &[L; 23],
-    constants: &[f64],
-    momentum: &mut [L; 26],
-    force: &mut [L; 26],
-    matrix: &mut [L; 676],
-    work: &mut [L; 97],
 ) {
     let constants = &constants[..5 * L::WIDTH];
     let q_index_ab = q[0];
@@ -4004,284 +2239,6 @@ fn evaluate_with_matrix_part_1<L: Lane>(
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let c_3 = L::load(&constants[3 * L::WIDTH..]);
     let c_4 = L::load(&constants[4 * L::WIDTH..]);
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_ab_1 = mul_sub(
-        cos_index_pip,
-        cos_index_dip,
-        sin_index_pip * sin_index_dip,
-    );
-    let index_ab_2 = mul_add(
-        L::splat(0.0224),
-        cos_index_pip,
-        L::splat(0.039799999999999995),
-    );
-    let index_ab_3 = mul_add(L::splat(0.0079), index_ab_1, index_ab_2);
-    let index_ab_4 = L::splat(0.0026754431356501404) * index_ab_3;
-    let index_ab_5 = mul_add(
-        sin_index_pip,
-        cos_index_dip,
-        cos_index_pip * sin_index_dip,
-    );
-    let index_ab_6 = neg_mul_add(
-        index_ab_5,
-        L::splat(2.2883956953594213e-8) * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, L::splat(8.843231377702265e-8)),
-    );
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_7 = v_index_ab * cos_index_mcp;
-    let index_ab_8 = L::splat(0.0224) * sin_index_pip;
-    let index_ab_9 = mul_add(L::splat(0.0079), index_ab_5, index_ab_8);
-    let index_ab_10 = L::splat(2.2883956953594213e-8) * index_ab_1;
-    let index_ab_11 = mul_add(index_ab_9, index_ab_4, index_ab_5 * index_ab_10);
-    let index_ab_12 = v_index_ab * sin_index_mcp;
-    let index_ab_13 = index_ab_12 * index_ab_11;
-    let index_ab_14 = mul_sub(index_ab_7, index_ab_6, index_ab_13);
-    let index_ab_15 = mul_add(
-        L::splat(0.0112),
-        cos_index_pip,
-        L::splat(0.039799999999999995),
-    );
-    let index_ab_16 = L::splat(0.0049541659510049605) * index_ab_15;
-    let index_ab_17 = neg_mul_add(
-        sin_index_pip,
-        L::splat(1.2788353708194133e-7) * sin_index_pip,
-        mul_add(index_ab_15, index_ab_16, L::splat(2.8641684751410007e-7)),
-    );
-    let index_ab_18 = L::splat(0.0112) * sin_index_pip;
-    let index_ab_19 = L::splat(1.2788353708194133e-7) * cos_index_pip;
-    let index_ab_20 = mul_add(index_ab_18, index_ab_16, sin_index_pip * index_ab_19);
-    let index_ab_21 = neg_mul_add(index_ab_12, index_ab_20, index_ab_7 * index_ab_17)
-        + index_ab_14;
-    let index_ab_22 = mul_add(L::splat(6.108011569195822e-6), index_ab_7, index_ab_21);
-    let index_ab_23 = L::splat(0.0026754431356501404) * index_ab_9;
-    let index_ab_24 = index_ab_9 * index_ab_23;
-    let index_ab_25 = neg_mul_add(
-        index_ab_1,
-        index_ab_10,
-        L::splat(8.843231377702265e-8) + index_ab_24,
-    );
-    let index_ab_26 = index_ab_7 * index_ab_11;
-    let index_ab_27 = neg_mul_add(index_ab_12, index_ab_25, index_ab_26);
-    let index_ab_28 = L::splat(5.5486658651255556e-5) * sin_index_pip;
-    let index_ab_29 = index_ab_18 * index_ab_28;
-    let index_ab_30 = neg_mul_add(
-        cos_index_pip,
-        index_ab_19,
-        L::splat(2.8641684751410007e-7) + index_ab_29,
-    );
-    let index_ab_31 = neg_mul_add(index_ab_12, index_ab_30, index_ab_7 * index_ab_20)
-        + index_ab_27;
-    let index_ab_32 = neg_mul_add(
-        L::splat(4.511964479704354e-7),
-        index_ab_12,
-        index_ab_31,
-    );
-    momentum[0] = neg_mul_add(sin_index_mcp, index_ab_32, cos_index_mcp * index_ab_22);
-    let index_mcp_1 = L::splat(8.843231377702265e-8)
-        + mul_add(index_ab_3, index_ab_4, index_ab_24);
-    let index_mcp_2 = v_index_mcp + v_index_pip;
-    let index_mcp_3 = v_index_dip + index_mcp_2;
-    let index_mcp_4 = L::splat(0.039799999999999995) * v_index_pip;
-    let index_mcp_5 = mul_add(v_index_dip, index_ab_2, index_mcp_4);
-    let index_mcp_6 = v_index_dip * index_ab_8;
-    let index_mcp_7 = mul_sub(
-        index_mcp_3,
-        index_mcp_1,
-        mul_add(index_mcp_6, index_ab_23, index_mcp_5 * index_ab_4),
-    );
-    let index_mcp_8 = L::splat(2.8641684751410007e-7)
-        + mul_add(index_ab_15, index_ab_16, index_ab_29);
-    let index_mcp_9 = mul_sub(index_mcp_2, index_mcp_8, index_mcp_4 * index_ab_16)
-        + index_mcp_7;
-    momentum[1] = mul_add(L::splat(6.108011569195822e-6), v_index_mcp, index_mcp_9);
-    let index_pip_1 = mul_sub(
-        L::splat(0.0026754431356501404),
-        index_mcp_5,
-        index_mcp_3 * index_ab_4,
-    );
-    let index_pip_2 = mul_sub(
-        L::splat(0.0001971758048499974),
-        v_index_pip,
-        index_mcp_2 * index_ab_16,
-    ) + index_pip_1;
-    momentum[2] = mul_add(L::splat(0.039799999999999995), index_pip_2, index_mcp_9);
-    let index_dip_1 = mul_sub(
-        L::splat(0.0026754431356501404),
-        index_mcp_6,
-        index_mcp_3 * index_ab_23,
-    );
-    momentum[3] = index_mcp_7
-        + mul_add(index_ab_8, index_dip_1, index_ab_2 * index_pip_1);
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_ab_1 = mul_sub(
-        cos_middle_pip,
-        cos_middle_dip,
-        sin_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_2 = mul_add(L::splat(0.0263), cos_middle_pip, L::splat(0.0446));
-    let middle_ab_3 = mul_add(L::splat(0.0087), middle_ab_1, middle_ab_2);
-    let middle_ab_4 = L::splat(0.0029463740860957233) * middle_ab_3;
-    let middle_ab_5 = mul_add(
-        sin_middle_pip,
-        cos_middle_dip,
-        cos_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_6 = neg_mul_add(
-        middle_ab_5,
-        L::splat(3.8243935637522495e-8) * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, L::splat(1.1043010074686771e-7)),
-    );
-    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_ab_7 = v_middle_ab * cos_middle_mcp;
-    let middle_ab_8 = L::splat(0.0263) * sin_middle_pip;
-    let middle_ab_9 = mul_add(L::splat(0.0087), middle_ab_5, middle_ab_8);
-    let middle_ab_10 = L::splat(3.8243935637522495e-8) * middle_ab_1;
-    let middle_ab_11 = mul_add(middle_ab_9, middle_ab_4, middle_ab_5 * middle_ab_10);
-    let middle_ab_12 = v_middle_ab * sin_middle_mcp;
-    let middle_ab_13 = middle_ab_12 * middle_ab_11;
-    let middle_ab_14 = mul_sub(middle_ab_7, middle_ab_6, middle_ab_13);
-    let middle_ab_15 = mul_add(L::splat(0.01315), cos_middle_pip, L::splat(0.0446));
-    let middle_ab_16 = L::splat(0.005816721629974574) * middle_ab_15;
-    let middle_ab_17 = neg_mul_add(
-        sin_middle_pip,
-        L::splat(2.422131359401662e-7) * sin_middle_pip,
-        mul_add(middle_ab_15, middle_ab_16, L::splat(4.283482280993526e-7)),
-    );
-    let middle_ab_18 = L::splat(0.01315) * sin_middle_pip;
-    let middle_ab_19 = L::splat(2.422131359401662e-7) * cos_middle_pip;
-    let middle_ab_20 = mul_add(
-        middle_ab_18,
-        middle_ab_16,
-        sin_middle_pip * middle_ab_19,
-    );
-    let middle_ab_21 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_20,
-        middle_ab_7 * middle_ab_17,
-    ) + middle_ab_14;
-    let middle_ab_22 = mul_add(
-        L::splat(8.530529217154657e-6),
-        middle_ab_7,
-        middle_ab_21,
-    );
-    let middle_ab_23 = L::splat(0.0029463740860957233) * middle_ab_9;
-    let middle_ab_24 = middle_ab_9 * middle_ab_23;
-    let middle_ab_25 = neg_mul_add(
-        middle_ab_1,
-        middle_ab_10,
-        L::splat(1.1043010074686771e-7) + middle_ab_24,
-    );
-    let middle_ab_26 = middle_ab_7 * middle_ab_11;
-    let middle_ab_27 = neg_mul_add(middle_ab_12, middle_ab_25, middle_ab_26);
-    let middle_ab_28 = L::splat(7.648988943416565e-5) * sin_middle_pip;
-    let middle_ab_29 = middle_ab_18 * middle_ab_28;
-    let middle_ab_30 = neg_mul_add(
-        cos_middle_pip,
-        middle_ab_19,
-        L::splat(4.283482280993526e-7) + middle_ab_29,
-    );
-    let middle_ab_31 = neg_mul_add(
-        middle_ab_12,
-        middle_ab_30,
-        middle_ab_7 * middle_ab_20,
-    ) + middle_ab_27;
-    let middle_ab_32 = neg_mul_add(
-        L::splat(5.056120999869704e-7),
-        middle_ab_12,
-        middle_ab_31,
-    );
-    momentum[4] = neg_mul_add(
-=======
-/// 3660 operations: 556 sums, 1113 products, 935 products with sum, 50 divisions, 49 roots, 22 sines and cosines.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    values: &[f64; VALUES],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
-) {
-    let q_index_ab = q[coordinate::INDEX_AB];
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let q_middle_ab = q[coordinate::MIDDLE_AB];
-    let q_middle_mcp = q[coordinate::MIDDLE_MCP];
-    let q_middle_pip = q[coordinate::MIDDLE_PIP];
-    let q_middle_dip = q[coordinate::MIDDLE_DIP];
-    let q_ring_ab = q[coordinate::RING_AB];
-    let q_ring_mcp = q[coordinate::RING_MCP];
-    let q_ring_pip = q[coordinate::RING_PIP];
-    let q_ring_dip = q[coordinate::RING_DIP];
-    let q_little_ab = q[coordinate::LITTLE_AB];
-    let q_little_mcp = q[coordinate::LITTLE_MCP];
-    let q_little_pip = q[coordinate::LITTLE_PIP];
-    let q_little_dip = q[coordinate::LITTLE_DIP];
-    let q_thumb_ab = q[coordinate::THUMB_AB];
-    let q_thumb_cmc = q[coordinate::THUMB_CMC];
-    let q_thumb_mcp = q[coordinate::THUMB_MCP];
-    let q_thumb_ip = q[coordinate::THUMB_IP];
-    let q_ball_rx = q[coordinate::BALL_RX];
-    let q_ball_ry = q[coordinate::BALL_RY];
-    let v_index_ab = v[coordinate::INDEX_AB];
-    let v_index_mcp = v[coordinate::INDEX_MCP];
-    let v_index_pip = v[coordinate::INDEX_PIP];
-    let v_index_dip = v[coordinate::INDEX_DIP];
-    let v_middle_ab = v[coordinate::MIDDLE_AB];
-    let v_middle_mcp = v[coordinate::MIDDLE_MCP];
-    let v_middle_pip = v[coordinate::MIDDLE_PIP];
-    let v_middle_dip = v[coordinate::MIDDLE_DIP];
-    let v_ring_ab = v[coordinate::RING_AB];
-    let v_ring_mcp = v[coordinate::RING_MCP];
-    let v_ring_pip = v[coordinate::RING_PIP];
-    let v_ring_dip = v[coordinate::RING_DIP];
-    let v_little_ab = v[coordinate::LITTLE_AB];
-    let v_little_mcp = v[coordinate::LITTLE_MCP];
-    let v_little_pip = v[coordinate::LITTLE_PIP];
-    let v_little_dip = v[coordinate::LITTLE_DIP];
-    let v_thumb_ab = v[coordinate::THUMB_AB];
-    let v_thumb_cmc = v[coordinate::THUMB_CMC];
-    let v_thumb_mcp = v[coordinate::THUMB_MCP];
-    let v_thumb_ip = v[coordinate::THUMB_IP];
-    let v_ball_tx = v[coordinate::BALL_TX];
-    let v_ball_ty = v[coordinate::BALL_TY];
-    let v_ball_tz = v[coordinate::BALL_TZ];
-    let v_ball_rx = v[coordinate::BALL_RX];
-    let v_ball_ry = v[coordinate::BALL_RY];
-    let v_ball_rz = v[coordinate::BALL_RZ];
-    let k_flexor = params[parameter::K_FLEXOR];
-    let k_extensor = params[parameter::K_EXTENSOR];
-    let k_intrinsic = params[parameter::K_INTRINSIC];
-    let damping = params[parameter::DAMPING];
-    let rest_index_fdp = rest[strand::INDEX_FDP];
-    let rest_index_edc = rest[strand::INDEX_EDC];
-    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
-    let rest_index_band = rest[strand::INDEX_BAND];
-    let rest_middle_fdp = rest[strand::MIDDLE_FDP];
-    let rest_middle_edc = rest[strand::MIDDLE_EDC];
-    let rest_middle_interosseous = rest[strand::MIDDLE_INTEROSSEOUS];
-    let rest_middle_band = rest[strand::MIDDLE_BAND];
-    let rest_ring_fdp = rest[strand::RING_FDP];
-    let rest_ring_edc = rest[strand::RING_EDC];
-    let rest_ring_interosseous = rest[strand::RING_INTEROSSEOUS];
-    let rest_ring_band = rest[strand::RING_BAND];
-    let rest_little_fdp = rest[strand::LITTLE_FDP];
-    let rest_little_edc = rest[strand::LITTLE_EDC];
-    let rest_little_interosseous = rest[strand::LITTLE_INTEROSSEOUS];
-    let rest_little_band = rest[strand::LITTLE_BAND];
-    let rest_thumb_fpl = rest[strand::THUMB_FPL];
-    let rest_thumb_epl = rest[strand::THUMB_EPL];
-    let rest_thumb_epb = rest[strand::THUMB_EPB];
-    let rest_thumb_apl = rest[strand::THUMB_APL];
-    let rest_thumb_apb = rest[strand::THUMB_APB];
-    let rest_thumb_opp = rest[strand::THUMB_OPP];
-    let rest_thumb_adp = rest[strand::THUMB_ADP];
-    let value_0 = values[0];
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
     let index_ab_1 = mul_add(
@@ -4296,33 +2253,45 @@ pub fn evaluate_with_matrix(
         sin_index_mcp * sin_index_pip,
     );
     let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
-    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
-    let index_ab_5 = 0.0224 * index_ab_2;
+    let index_ab_4 = L::splat(2.113600077163611e-5) * index_ab_3;
+    let index_ab_5 = L::splat(0.0224) * index_ab_2;
     let index_ab_6 = index_ab_5 * index_ab_4;
-    let index_ab_7 = 2.0917644617198177e-6 * index_ab_1;
-    let index_ab_8 = neg_mul_add(index_ab_1, index_ab_7, 1.0458822308599088e-6);
-    let index_ab_9 = 0.0001154165848898187 * index_ab_2;
+    let index_ab_7 = L::splat(2.0917644617198177e-6) * index_ab_1;
+    let index_ab_8 = neg_mul_add(
+        index_ab_1,
+        index_ab_7,
+        L::splat(1.0458822308599088e-6),
+    );
+    let index_ab_9 = L::splat(0.0001154165848898187) * index_ab_2;
     let index_ab_10 = index_ab_9 + index_ab_4;
-    let index_ab_11 = 0.039799999999999995 * cos_index_mcp;
-    let index_ab_12 = 1.7742421098850526e-5 * sin_index_mcp;
-    let index_ab_13 = neg_mul_add(sin_index_mcp, index_ab_12, 8.871210549425263e-6);
-    let index_ab_14 = 1.0687300077035954e-5
-        + mul_add(2.0, index_ab_11 * index_ab_10, index_ab_13)
-        + mul_add(2.0, index_ab_6, index_ab_8);
+    let index_ab_11 = L::splat(0.039799999999999995) * cos_index_mcp;
+    let index_ab_12 = L::splat(1.7742421098850526e-5) * sin_index_mcp;
+    let index_ab_13 = neg_mul_add(
+        sin_index_mcp,
+        index_ab_12,
+        L::splat(8.871210549425263e-6),
+    );
+    let index_ab_14 = L::splat(1.0687300077035954e-5)
+        + mul_add(L::splat(2.0), index_ab_11 * index_ab_10, index_ab_13)
+        + mul_add(L::splat(2.0), index_ab_6, index_ab_8);
     let index_ab_15 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
-    let index_ab_16 = 1.8985836304951953e-7 * index_ab_15;
-    let index_ab_17 = neg_mul_add(index_ab_15, index_ab_16, 9.492918152475976e-8);
+    let index_ab_16 = L::splat(1.8985836304951953e-7) * index_ab_15;
+    let index_ab_17 = neg_mul_add(
+        index_ab_15,
+        index_ab_16,
+        L::splat(9.492918152475976e-8),
+    );
     let index_ab_18 = index_ab_17 + index_ab_14;
-    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_18;
+    momentum[0] = v_index_ab * index_ab_18;
     let index_mcp_1 = v_index_mcp + v_index_pip;
     let index_mcp_2 = v_index_dip + index_mcp_1;
     let index_mcp_3 = index_mcp_2 * index_ab_4;
-    let index_mcp_4 = 2.113600077163611e-5 * index_ab_15;
+    let index_mcp_4 = L::splat(2.113600077163611e-5) * index_ab_15;
     let index_mcp_5 = index_mcp_2 * index_mcp_4;
-    let index_mcp_6 = 0.0224 * index_ab_1;
+    let index_mcp_6 = L::splat(0.0224) * index_ab_1;
     let index_mcp_7 = v_index_mcp * index_ab_11;
-    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
-    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
+    let index_mcp_8 = L::splat(0.0001154165848898187) * index_ab_1;
+    let index_mcp_9 = L::splat(0.039799999999999995) * sin_index_mcp;
     let index_mcp_10 = v_index_mcp * index_mcp_9;
     let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
         + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_9);
@@ -4331,241 +2300,31 @@ pub fn evaluate_with_matrix(
     let index_mcp_14 = index_mcp_1 * index_mcp_6;
     let index_mcp_15 = index_mcp_10 + index_mcp_14;
     let index_mcp_16 = mul_add(
-        2.5540671987294797e-7,
+        L::splat(2.5540671987294797e-7),
         index_mcp_2,
         mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
     );
     let index_mcp_17 = index_mcp_16
-        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
+        + mul_add(L::splat(2.2502977721519766e-6), index_mcp_1, index_mcp_11);
     let index_mcp_18 = index_mcp_1 * index_ab_9;
     let index_mcp_19 = index_mcp_18 + index_mcp_3;
     let index_mcp_20 = index_mcp_1 * index_mcp_8;
     let index_mcp_21 = index_mcp_20 + index_mcp_5;
     let index_mcp_22 = mul_add(
-        1.8193617546820962e-5,
+        L::splat(1.8193617546820962e-5),
         v_index_mcp,
         mul_add(index_mcp_9, index_mcp_21, index_ab_11 * index_mcp_19),
     );
-    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
-    momentum[coordinate::INDEX_PIP] = index_mcp_17;
-    momentum[coordinate::INDEX_DIP] = index_mcp_16;
+    momentum[1] = index_mcp_17 + index_mcp_22;
+    momentum[2] = index_mcp_17;
+    momentum[3] = index_mcp_16;
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let middle_ab_1 = mul_add(
->>>>>>> work-a
         sin_middle_mcp,
         cos_middle_pip,
         cos_middle_mcp * sin_middle_pip,
     );
-<<<<<<< HEAD
-    let middle_mcp_1 = L::splat(1.1043010074686771e-7)
-        + mul_add(middle_ab_3, middle_ab_4, middle_ab_24);
-    let middle_mcp_2 = v_middle_mcp + v_middle_pip;
-    let middle_mcp_3 = v_middle_dip + middle_mcp_2;
-    let middle_mcp_4 = L::splat(0.0446) * v_middle_pip;
-    let middle_mcp_5 = mul_add(v_middle_dip, middle_ab_2, middle_mcp_4);
-    let middle_mcp_6 = v_middle_dip * middle_ab_8;
-    let middle_mcp_7 = mul_sub(
-        middle_mcp_3,
-        middle_mcp_1,
-        mul_add(middle_mcp_6, middle_ab_23, middle_mcp_5 * middle_ab_4),
-    );
-    let middle_mcp_8 = L::splat(4.283482280993526e-7)
-        + mul_add(middle_ab_15, middle_ab_16, middle_ab_29);
-    let middle_mcp_9 = mul_sub(middle_mcp_2, middle_mcp_8, middle_mcp_4 * middle_ab_16)
-        + middle_mcp_7;
-    momentum[5] = mul_add(L::splat(8.530529217154657e-6), v_middle_mcp, middle_mcp_9);
-    let middle_pip_1 = mul_sub(
-        L::splat(0.0029463740860957233),
-        middle_mcp_5,
-        middle_mcp_3 * middle_ab_4,
-    );
-    let middle_pip_2 = mul_sub(
-        L::splat(0.000259425784696866),
-        v_middle_pip,
-        middle_mcp_2 * middle_ab_16,
-    ) + middle_pip_1;
-    momentum[6] = mul_add(L::splat(0.0446), middle_pip_2, middle_mcp_9);
-    let middle_dip_1 = mul_sub(
-        L::splat(0.0029463740860957233),
-        middle_mcp_6,
-        middle_mcp_3 * middle_ab_23,
-    );
-    momentum[7] = middle_mcp_7
-        + mul_add(middle_ab_8, middle_dip_1, middle_ab_2 * middle_pip_1);
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(L::splat(0.0257), cos_ring_pip, L::splat(0.0414));
-    let ring_ab_3 = mul_add(L::splat(0.00865), ring_ab_1, ring_ab_2);
-    let ring_ab_4 = L::splat(0.0029294409016928746) * ring_ab_3;
-    let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
-    let ring_ab_6 = neg_mul_add(
-        ring_ab_5,
-        L::splat(3.717704624323398e-8) * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, L::splat(1.089483483347094e-7)),
-    );
-    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_ab_7 = v_ring_ab * cos_ring_mcp;
-    let ring_ab_8 = L::splat(0.0257) * sin_ring_pip;
-    let ring_ab_9 = mul_add(L::splat(0.00865), ring_ab_5, ring_ab_8);
-    let ring_ab_10 = L::splat(3.717704624323398e-8) * ring_ab_1;
-    let ring_ab_11 = mul_add(ring_ab_9, ring_ab_4, ring_ab_5 * ring_ab_10);
-    let ring_ab_12 = v_ring_ab * sin_ring_mcp;
-    let ring_ab_13 = ring_ab_12 * ring_ab_11;
-    let ring_ab_14 = mul_sub(ring_ab_7, ring_ab_6, ring_ab_13);
-    let ring_ab_15 = mul_add(L::splat(0.01285), cos_ring_pip, L::splat(0.0414));
-    let ring_ab_16 = L::splat(0.005684020756286941) * ring_ab_15;
-    let ring_ab_17 = neg_mul_add(
-        sin_ring_pip,
-        L::splat(2.2190890700940578e-7) * sin_ring_pip,
-        mul_add(ring_ab_15, ring_ab_16, L::splat(4.037975712105879e-7)),
-    );
-    let ring_ab_18 = L::splat(0.01285) * sin_ring_pip;
-    let ring_ab_19 = L::splat(2.2190890700940578e-7) * cos_ring_pip;
-    let ring_ab_20 = mul_add(ring_ab_18, ring_ab_16, sin_ring_pip * ring_ab_19);
-    let ring_ab_21 = neg_mul_add(ring_ab_12, ring_ab_20, ring_ab_7 * ring_ab_17)
-        + ring_ab_14;
-    let ring_ab_22 = mul_add(L::splat(6.855419880173114e-6), ring_ab_7, ring_ab_21);
-    let ring_ab_23 = L::splat(0.0029294409016928746) * ring_ab_9;
-    let ring_ab_24 = ring_ab_9 * ring_ab_23;
-    let ring_ab_25 = neg_mul_add(
-        ring_ab_1,
-        ring_ab_10,
-        L::splat(1.089483483347094e-7) + ring_ab_24,
-    );
-    let ring_ab_26 = ring_ab_7 * ring_ab_11;
-    let ring_ab_27 = neg_mul_add(ring_ab_12, ring_ab_25, ring_ab_26);
-    let ring_ab_28 = L::splat(7.303966671828719e-5) * sin_ring_pip;
-    let ring_ab_29 = ring_ab_18 * ring_ab_28;
-    let ring_ab_30 = neg_mul_add(
-        cos_ring_pip,
-        ring_ab_19,
-        L::splat(4.037975712105879e-7) + ring_ab_29,
-    );
-    let ring_ab_31 = neg_mul_add(ring_ab_12, ring_ab_30, ring_ab_7 * ring_ab_20)
-        + ring_ab_27;
-    let ring_ab_32 = neg_mul_add(
-        L::splat(4.6933499864261383e-7),
-        ring_ab_12,
-        ring_ab_31,
-    );
-    momentum[8] = neg_mul_add(sin_ring_mcp, ring_ab_32, cos_ring_mcp * ring_ab_22);
-    let ring_mcp_1 = L::splat(1.089483483347094e-7)
-        + mul_add(ring_ab_3, ring_ab_4, ring_ab_24);
-    let ring_mcp_2 = v_ring_mcp + v_ring_pip;
-    let ring_mcp_3 = v_ring_dip + ring_mcp_2;
-    let ring_mcp_4 = L::splat(0.0414) * v_ring_pip;
-    let ring_mcp_5 = mul_add(v_ring_dip, ring_ab_2, ring_mcp_4);
-    let ring_mcp_6 = v_ring_dip * ring_ab_8;
-    let ring_mcp_7 = mul_sub(
-        ring_mcp_3,
-        ring_mcp_1,
-        mul_add(ring_mcp_6, ring_ab_23, ring_mcp_5 * ring_ab_4),
-    );
-    let ring_mcp_8 = L::splat(4.037975712105879e-7)
-        + mul_add(ring_ab_15, ring_ab_16, ring_ab_29);
-    let ring_mcp_9 = mul_sub(ring_mcp_2, ring_mcp_8, ring_mcp_4 * ring_ab_16)
-        + ring_mcp_7;
-    momentum[9] = mul_add(L::splat(6.855419880173114e-6), v_ring_mcp, ring_mcp_9);
-    let ring_pip_1 = mul_sub(
-        L::splat(0.0029294409016928746),
-        ring_mcp_5,
-        ring_mcp_3 * ring_ab_4,
-    );
-    let ring_pip_2 = mul_sub(
-        L::splat(0.00023531845931027933),
-        v_ring_pip,
-        ring_mcp_2 * ring_ab_16,
-    ) + ring_pip_1;
-    momentum[10] = mul_add(L::splat(0.0414), ring_pip_2, ring_mcp_9);
-    let ring_dip_1 = mul_sub(
-        L::splat(0.0029294409016928746),
-        ring_mcp_6,
-        ring_mcp_3 * ring_ab_23,
-    );
-    momentum[11] = ring_mcp_7 + mul_add(ring_ab_8, ring_dip_1, ring_ab_2 * ring_pip_1);
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_ab_1 = mul_sub(
-        cos_little_pip,
-        cos_little_dip,
-        sin_little_pip * sin_little_dip,
-    );
-    let little_ab_2 = mul_add(L::splat(0.0181), cos_little_pip, L::splat(0.0327));
-    let little_ab_3 = mul_add(L::splat(0.008), little_ab_1, little_ab_2);
-    let little_ab_4 = L::splat(0.002709309504455838) * little_ab_3;
-    let little_ab_5 = mul_add(
-        sin_little_pip,
-        cos_little_dip,
-        cos_little_pip * sin_little_dip,
-    );
-    let little_ab_6 = neg_mul_add(
-        little_ab_5,
-        L::splat(2.4609561332140534e-8) * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, L::splat(9.098764419130856e-8)),
-    );
-    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_ab_7 = v_little_ab * cos_little_mcp;
-    let little_ab_8 = L::splat(0.0181) * sin_little_pip;
-    let little_ab_9 = mul_add(L::splat(0.008), little_ab_5, little_ab_8);
-    let little_ab_10 = L::splat(2.4609561332140534e-8) * little_ab_1;
-    let little_ab_11 = mul_add(little_ab_9, little_ab_4, little_ab_5 * little_ab_10);
-    let little_ab_12 = v_little_ab * sin_little_mcp;
-    let little_ab_13 = little_ab_12 * little_ab_11;
-    let little_ab_14 = mul_sub(little_ab_7, little_ab_6, little_ab_13);
-    let little_ab_15 = mul_add(L::splat(0.00905), cos_little_pip, L::splat(0.0327));
-    let little_ab_16 = L::splat(0.004003143022910258) * little_ab_15;
-    let little_ab_17 = neg_mul_add(
-        sin_little_pip,
-        L::splat(4.523885211140502e-8) * sin_little_pip,
-        mul_add(little_ab_15, little_ab_16, L::splat(1.7333942884453325e-7)),
-    );
-    let little_ab_18 = L::splat(0.00905) * sin_little_pip;
-    let little_ab_19 = L::splat(4.523885211140502e-8) * cos_little_pip;
-    let little_ab_20 = mul_add(
-        little_ab_18,
-        little_ab_16,
-        sin_little_pip * little_ab_19,
-    );
-    let little_ab_21 = neg_mul_add(
-        little_ab_12,
-        little_ab_20,
-        little_ab_7 * little_ab_17,
-    ) + little_ab_14;
-    let little_ab_22 = mul_add(
-        L::splat(3.4478462505758233e-6),
-        little_ab_7,
-        little_ab_21,
-    );
-    let little_ab_23 = L::splat(0.002709309504455838) * little_ab_9;
-    let little_ab_24 = little_ab_9 * little_ab_23;
-    let little_ab_25 = neg_mul_add(
-        little_ab_1,
-        little_ab_10,
-        L::splat(9.098764419130856e-8) + little_ab_24,
-    );
-    let little_ab_26 = little_ab_7 * little_ab_11;
-    let little_ab_27 = neg_mul_add(little_ab_12, little_ab_25, little_ab_26);
-    let little_ab_28 = L::splat(3.622844435733784e-5) * sin_little_pip;
-    let little_ab_29 = little_ab_18 * little_ab_28;
-    let little_ab_30 = neg_mul_add(
-        cos_little_pip,
-        little_ab_19,
-        L::splat(1.7333942884453325e-7) + little_ab_29,
-    );
-    let little_ab_31 = neg_mul_add(
-        little_ab_12,
-        little_ab_30,
-        little_ab_7 * little_ab_20,
-    ) + little_ab_27;
-    let little_ab_32 = neg_mul_add(
-        L::splat(3.7070662936264426e-7),
-        little_ab_12,
-        little_ab_31,
-    );
-    momentum[12] = neg_mul_add(
-=======
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
     let middle_ab_2 = mul_sub(
         cos_middle_mcp,
@@ -4573,37 +2332,49 @@ pub fn evaluate_with_matrix(
         sin_middle_mcp * sin_middle_pip,
     );
     let middle_ab_3 = mul_sub(cos_middle_dip, middle_ab_2, sin_middle_dip * middle_ab_1);
-    let middle_ab_4 = 2.5633454549032793e-5 * middle_ab_3;
-    let middle_ab_5 = 0.0263 * middle_ab_2;
+    let middle_ab_4 = L::splat(2.5633454549032793e-5) * middle_ab_3;
+    let middle_ab_5 = L::splat(0.0263) * middle_ab_2;
     let middle_ab_6 = middle_ab_5 * middle_ab_4;
-    let middle_ab_7 = 3.2860326736109956e-6 * middle_ab_1;
-    let middle_ab_8 = neg_mul_add(middle_ab_1, middle_ab_7, 1.6430163368054978e-6);
-    let middle_ab_9 = 0.00015397952789848317 * middle_ab_2;
+    let middle_ab_7 = L::splat(3.2860326736109956e-6) * middle_ab_1;
+    let middle_ab_8 = neg_mul_add(
+        middle_ab_1,
+        middle_ab_7,
+        L::splat(1.6430163368054978e-6),
+    );
+    let middle_ab_9 = L::splat(0.00015397952789848317) * middle_ab_2;
     let middle_ab_10 = middle_ab_9 + middle_ab_4;
-    let middle_ab_11 = 0.0446 * cos_middle_mcp;
-    let middle_ab_12 = 2.5456116591746076e-5 * sin_middle_mcp;
-    let middle_ab_13 = neg_mul_add(sin_middle_mcp, middle_ab_12, 1.2728058295873038e-5);
-    let middle_ab_14 = 1.5265635485041092e-5
-        + mul_add(2.0, middle_ab_11 * middle_ab_10, middle_ab_13)
-        + mul_add(2.0, middle_ab_6, middle_ab_8);
+    let middle_ab_11 = L::splat(0.0446) * cos_middle_mcp;
+    let middle_ab_12 = L::splat(2.5456116591746076e-5) * sin_middle_mcp;
+    let middle_ab_13 = neg_mul_add(
+        sin_middle_mcp,
+        middle_ab_12,
+        L::splat(1.2728058295873038e-5),
+    );
+    let middle_ab_14 = L::splat(1.5265635485041092e-5)
+        + mul_add(L::splat(2.0), middle_ab_11 * middle_ab_10, middle_ab_13)
+        + mul_add(L::splat(2.0), middle_ab_6, middle_ab_8);
     let middle_ab_15 = mul_add(
         cos_middle_dip,
         middle_ab_1,
         sin_middle_dip * middle_ab_2,
     );
-    let middle_ab_16 = 2.612549902141078e-7 * middle_ab_15;
-    let middle_ab_17 = neg_mul_add(middle_ab_15, middle_ab_16, 1.306274951070539e-7);
+    let middle_ab_16 = L::splat(2.612549902141078e-7) * middle_ab_15;
+    let middle_ab_17 = neg_mul_add(
+        middle_ab_15,
+        middle_ab_16,
+        L::splat(1.306274951070539e-7),
+    );
     let middle_ab_18 = middle_ab_17 + middle_ab_14;
-    momentum[coordinate::MIDDLE_AB] = v_middle_ab * middle_ab_18;
+    momentum[4] = v_middle_ab * middle_ab_18;
     let middle_mcp_1 = v_middle_mcp + v_middle_pip;
     let middle_mcp_2 = v_middle_dip + middle_mcp_1;
     let middle_mcp_3 = middle_mcp_2 * middle_ab_4;
-    let middle_mcp_4 = 2.5633454549032793e-5 * middle_ab_15;
+    let middle_mcp_4 = L::splat(2.5633454549032793e-5) * middle_ab_15;
     let middle_mcp_5 = middle_mcp_2 * middle_mcp_4;
-    let middle_mcp_6 = 0.0263 * middle_ab_1;
+    let middle_mcp_6 = L::splat(0.0263) * middle_ab_1;
     let middle_mcp_7 = v_middle_mcp * middle_ab_11;
-    let middle_mcp_8 = 0.00015397952789848317 * middle_ab_1;
-    let middle_mcp_9 = 0.0446 * sin_middle_mcp;
+    let middle_mcp_8 = L::splat(0.00015397952789848317) * middle_ab_1;
+    let middle_mcp_9 = L::splat(0.0446) * sin_middle_mcp;
     let middle_mcp_10 = v_middle_mcp * middle_mcp_9;
     let middle_mcp_11 = mul_add(middle_mcp_6, middle_mcp_5, middle_ab_5 * middle_mcp_3)
         + mul_add(middle_mcp_10, middle_mcp_8, middle_mcp_7 * middle_ab_9);
@@ -4612,57 +2383,65 @@ pub fn evaluate_with_matrix(
     let middle_mcp_14 = middle_mcp_1 * middle_mcp_6;
     let middle_mcp_15 = middle_mcp_10 + middle_mcp_14;
     let middle_mcp_16 = mul_add(
-        3.33441155323453e-7,
+        L::splat(3.33441155323453e-7),
         middle_mcp_2,
         mul_add(middle_mcp_15, middle_mcp_4, middle_mcp_13 * middle_ab_4),
     );
     let middle_mcp_17 = middle_mcp_16
-        + mul_add(3.472167765770182e-6, middle_mcp_1, middle_mcp_11);
+        + mul_add(L::splat(3.472167765770182e-6), middle_mcp_1, middle_mcp_11);
     let middle_mcp_18 = middle_mcp_1 * middle_ab_9;
     let middle_mcp_19 = middle_mcp_18 + middle_mcp_3;
     let middle_mcp_20 = middle_mcp_1 * middle_mcp_8;
     let middle_mcp_21 = middle_mcp_20 + middle_mcp_5;
     let middle_mcp_22 = mul_add(
-        2.5961728691733047e-5,
+        L::splat(2.5961728691733047e-5),
         v_middle_mcp,
         mul_add(middle_mcp_9, middle_mcp_21, middle_ab_11 * middle_mcp_19),
     );
-    momentum[coordinate::MIDDLE_MCP] = middle_mcp_17 + middle_mcp_22;
-    momentum[coordinate::MIDDLE_PIP] = middle_mcp_17;
-    momentum[coordinate::MIDDLE_DIP] = middle_mcp_16;
+    momentum[5] = middle_mcp_17 + middle_mcp_22;
+    momentum[6] = middle_mcp_17;
+    momentum[7] = middle_mcp_16;
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let ring_ab_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let ring_ab_2 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
     let ring_ab_3 = mul_sub(cos_ring_dip, ring_ab_2, sin_ring_dip * ring_ab_1);
-    let ring_ab_4 = 2.5339663799643364e-5 * ring_ab_3;
-    let ring_ab_5 = 0.0257 * ring_ab_2;
+    let ring_ab_4 = L::splat(2.5339663799643364e-5) * ring_ab_3;
+    let ring_ab_5 = L::splat(0.0257) * ring_ab_2;
     let ring_ab_6 = ring_ab_5 * ring_ab_4;
-    let ring_ab_7 = 3.095335045498523e-6 * ring_ab_1;
-    let ring_ab_8 = neg_mul_add(ring_ab_1, ring_ab_7, 1.5476675227492616e-6);
-    let ring_ab_9 = 0.00014832629789179408 * ring_ab_2;
+    let ring_ab_7 = L::splat(3.095335045498523e-6) * ring_ab_1;
+    let ring_ab_8 = neg_mul_add(ring_ab_1, ring_ab_7, L::splat(1.5476675227492616e-6));
+    let ring_ab_9 = L::splat(0.00014832629789179408) * ring_ab_2;
     let ring_ab_10 = ring_ab_9 + ring_ab_4;
-    let ring_ab_11 = 0.0414 * cos_ring_mcp;
-    let ring_ab_12 = 2.1149213624841585e-5 * sin_ring_mcp;
-    let ring_ab_13 = neg_mul_add(sin_ring_mcp, ring_ab_12, 1.0574606812420793e-5);
-    let ring_ab_14 = 1.29734518691604e-5
-        + mul_add(2.0, ring_ab_11 * ring_ab_10, ring_ab_13)
-        + mul_add(2.0, ring_ab_6, ring_ab_8);
+    let ring_ab_11 = L::splat(0.0414) * cos_ring_mcp;
+    let ring_ab_12 = L::splat(2.1149213624841585e-5) * sin_ring_mcp;
+    let ring_ab_13 = neg_mul_add(
+        sin_ring_mcp,
+        ring_ab_12,
+        L::splat(1.0574606812420793e-5),
+    );
+    let ring_ab_14 = L::splat(1.29734518691604e-5)
+        + mul_add(L::splat(2.0), ring_ab_11 * ring_ab_10, ring_ab_13)
+        + mul_add(L::splat(2.0), ring_ab_6, ring_ab_8);
     let ring_ab_15 = mul_add(cos_ring_dip, ring_ab_1, sin_ring_dip * ring_ab_2);
-    let ring_ab_16 = 2.5636513811014907e-7 * ring_ab_15;
-    let ring_ab_17 = neg_mul_add(ring_ab_15, ring_ab_16, 1.2818256905507453e-7);
+    let ring_ab_16 = L::splat(2.5636513811014907e-7) * ring_ab_15;
+    let ring_ab_17 = neg_mul_add(
+        ring_ab_15,
+        ring_ab_16,
+        L::splat(1.2818256905507453e-7),
+    );
     let ring_ab_18 = ring_ab_17 + ring_ab_14;
-    momentum[coordinate::RING_AB] = v_ring_ab * ring_ab_18;
+    momentum[8] = v_ring_ab * ring_ab_18;
     let ring_mcp_1 = v_ring_mcp + v_ring_pip;
     let ring_mcp_2 = v_ring_dip + ring_mcp_1;
     let ring_mcp_3 = ring_mcp_2 * ring_ab_4;
-    let ring_mcp_4 = 2.5339663799643364e-5 * ring_ab_15;
+    let ring_mcp_4 = L::splat(2.5339663799643364e-5) * ring_ab_15;
     let ring_mcp_5 = ring_mcp_2 * ring_mcp_4;
-    let ring_mcp_6 = 0.0257 * ring_ab_1;
+    let ring_mcp_6 = L::splat(0.0257) * ring_ab_1;
     let ring_mcp_7 = v_ring_mcp * ring_ab_11;
-    let ring_mcp_8 = 0.00014832629789179408 * ring_ab_1;
-    let ring_mcp_9 = 0.0414 * sin_ring_mcp;
+    let ring_mcp_8 = L::splat(0.00014832629789179408) * ring_ab_1;
+    let ring_mcp_9 = L::splat(0.0414) * sin_ring_mcp;
     let ring_mcp_10 = v_ring_mcp * ring_mcp_9;
     let ring_mcp_11 = mul_add(ring_mcp_6, ring_mcp_5, ring_ab_5 * ring_mcp_3)
         + mul_add(ring_mcp_10, ring_mcp_8, ring_mcp_7 * ring_ab_9);
@@ -4671,212 +2450,31 @@ pub fn evaluate_with_matrix(
     let ring_mcp_14 = ring_mcp_1 * ring_mcp_6;
     let ring_mcp_15 = ring_mcp_10 + ring_mcp_14;
     let ring_mcp_16 = mul_add(
-        3.2813644020162447e-7,
+        L::splat(3.2813644020162447e-7),
         ring_mcp_2,
         mul_add(ring_mcp_15, ring_mcp_4, ring_mcp_13 * ring_ab_4),
     );
     let ring_mcp_17 = ring_mcp_16
-        + mul_add(3.277223709699705e-6, ring_mcp_1, ring_mcp_11);
+        + mul_add(L::splat(3.277223709699705e-6), ring_mcp_1, ring_mcp_11);
     let ring_mcp_18 = ring_mcp_1 * ring_ab_9;
     let ring_mcp_19 = ring_mcp_18 + ring_mcp_3;
     let ring_mcp_20 = ring_mcp_1 * ring_mcp_8;
     let ring_mcp_21 = ring_mcp_20 + ring_mcp_5;
     let ring_mcp_22 = mul_add(
-        2.16185486234842e-5,
+        L::splat(2.16185486234842e-5),
         v_ring_mcp,
         mul_add(ring_mcp_9, ring_mcp_21, ring_ab_11 * ring_mcp_19),
     );
-    momentum[coordinate::RING_MCP] = ring_mcp_17 + ring_mcp_22;
-    momentum[coordinate::RING_PIP] = ring_mcp_17;
-    momentum[coordinate::RING_DIP] = ring_mcp_16;
+    momentum[9] = ring_mcp_17 + ring_mcp_22;
+    momentum[10] = ring_mcp_17;
+    momentum[11] = ring_mcp_16;
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
     let little_ab_1 = mul_add(
->>>>>>> work-a
         sin_little_mcp,
         cos_little_pip,
         cos_little_mcp * sin_little_pip,
     );
-<<<<<<< HEAD
-    let little_mcp_1 = L::splat(9.098764419130856e-8)
-        + mul_add(little_ab_3, little_ab_4, little_ab_24);
-    let little_mcp_2 = v_little_mcp + v_little_pip;
-    let little_mcp_3 = v_little_dip + little_mcp_2;
-    let little_mcp_4 = L::splat(0.0327) * v_little_pip;
-    let little_mcp_5 = mul_add(v_little_dip, little_ab_2, little_mcp_4);
-    let little_mcp_6 = v_little_dip * little_ab_8;
-    let little_mcp_7 = mul_sub(
-        little_mcp_3,
-        little_mcp_1,
-        mul_add(little_mcp_6, little_ab_23, little_mcp_5 * little_ab_4),
-    );
-    let little_mcp_8 = L::splat(1.7333942884453325e-7)
-        + mul_add(little_ab_15, little_ab_16, little_ab_29);
-    let little_mcp_9 = mul_sub(little_mcp_2, little_mcp_8, little_mcp_4 * little_ab_16)
-        + little_mcp_7;
-    momentum[13] = mul_add(L::splat(3.4478462505758233e-6), v_little_mcp, little_mcp_9);
-    let little_pip_1 = mul_sub(
-        L::splat(0.002709309504455838),
-        little_mcp_5,
-        little_mcp_3 * little_ab_4,
-    );
-    let little_pip_2 = mul_sub(
-        L::splat(0.00013090277684916541),
-        v_little_pip,
-        little_mcp_2 * little_ab_16,
-    ) + little_pip_1;
-    momentum[14] = mul_add(L::splat(0.0327), little_pip_2, little_mcp_9);
-    let little_dip_1 = mul_sub(
-        L::splat(0.002709309504455838),
-        little_mcp_6,
-        little_mcp_3 * little_ab_23,
-    );
-    momentum[15] = little_mcp_7
-        + mul_add(little_ab_8, little_dip_1, little_ab_2 * little_pip_1);
-    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_ab_1 = mul_sub(cos_thumb_mcp, cos_thumb_ip, sin_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_2 = mul_add(
-        L::splat(0.0316),
-        cos_thumb_mcp,
-        L::splat(0.046200000000000005),
-    );
-    work[29] = thumb_ab_2;
-    let thumb_ab_3 = mul_add(L::splat(0.01085), thumb_ab_1, thumb_ab_2);
-    let thumb_ab_4 = L::splat(0.006074175147936257) * thumb_ab_3;
-    work[30] = thumb_ab_4;
-    let thumb_ab_5 = mul_add(sin_thumb_mcp, cos_thumb_ip, cos_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_6 = neg_mul_add(
-        thumb_ab_5,
-        L::splat(1.1535364787193289e-7) * thumb_ab_5,
-        mul_add(thumb_ab_3, thumb_ab_4, L::splat(3.6135774136335126e-7)),
-    );
-    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_ab_7 = v_thumb_ab * cos_thumb_cmc;
-    work[0] = thumb_ab_7;
-    let thumb_ab_8 = L::splat(0.0316) * sin_thumb_mcp;
-    work[27] = thumb_ab_8;
-    let thumb_ab_9 = mul_add(L::splat(0.01085), thumb_ab_5, thumb_ab_8);
-    let thumb_ab_10 = L::splat(1.1535364787193289e-7) * thumb_ab_1;
-    let thumb_ab_11 = mul_add(thumb_ab_9, thumb_ab_4, thumb_ab_5 * thumb_ab_10);
-    let thumb_ab_12 = v_thumb_ab * sin_thumb_cmc;
-    work[3] = thumb_ab_12;
-    let thumb_ab_13 = thumb_ab_12 * thumb_ab_11;
-    let thumb_ab_14 = mul_sub(thumb_ab_7, thumb_ab_6, thumb_ab_13);
-    let thumb_ab_15 = mul_add(
-        L::splat(0.0158),
-        cos_thumb_mcp,
-        L::splat(0.046200000000000005),
-    );
-    let thumb_ab_16 = L::splat(0.010920176063878123) * thumb_ab_15;
-    let thumb_ab_17 = neg_mul_add(
-        sin_thumb_mcp,
-        L::splat(6.356998492652254e-7) * sin_thumb_mcp,
-        mul_add(thumb_ab_15, thumb_ab_16, L::splat(1.1817086524591316e-6)),
-    );
-    let thumb_ab_18 = L::splat(0.0158) * sin_thumb_mcp;
-    let thumb_ab_19 = L::splat(6.356998492652254e-7) * cos_thumb_mcp;
-    let thumb_ab_20 = mul_add(thumb_ab_18, thumb_ab_16, sin_thumb_mcp * thumb_ab_19);
-    let thumb_ab_21 = neg_mul_add(thumb_ab_12, thumb_ab_20, thumb_ab_7 * thumb_ab_17)
-        + thumb_ab_14;
-    let thumb_ab_22 = mul_add(L::splat(1.4328995574980243e-5), thumb_ab_7, thumb_ab_21);
-    let thumb_ab_23 = L::splat(0.006074175147936257) * thumb_ab_9;
-    work[28] = thumb_ab_23;
-    let thumb_ab_24 = thumb_ab_9 * thumb_ab_23;
-    let thumb_ab_25 = neg_mul_add(
-        thumb_ab_1,
-        thumb_ab_10,
-        L::splat(3.6135774136335126e-7) + thumb_ab_24,
-    );
-    let thumb_ab_26 = thumb_ab_7 * thumb_ab_11;
-    let thumb_ab_27 = neg_mul_add(thumb_ab_12, thumb_ab_25, thumb_ab_26);
-    let thumb_ab_28 = L::splat(0.00017253878180927438) * sin_thumb_mcp;
-    let thumb_ab_29 = thumb_ab_18 * thumb_ab_28;
-    let thumb_ab_30 = neg_mul_add(
-        cos_thumb_mcp,
-        thumb_ab_19,
-        L::splat(1.1817086524591316e-6) + thumb_ab_29,
-    );
-    let thumb_ab_31 = neg_mul_add(thumb_ab_12, thumb_ab_30, thumb_ab_7 * thumb_ab_20)
-        + thumb_ab_27;
-    let thumb_ab_32 = neg_mul_add(
-        L::splat(1.1687598348270992e-6),
-        thumb_ab_12,
-        thumb_ab_31,
-    );
-    momentum[16] = neg_mul_add(sin_thumb_cmc, thumb_ab_32, cos_thumb_cmc * thumb_ab_22);
-    let thumb_cmc_1 = L::splat(3.6135774136335126e-7)
-        + mul_add(thumb_ab_3, thumb_ab_4, thumb_ab_24);
-    work[26] = thumb_cmc_1;
-    let thumb_cmc_2 = v_thumb_cmc + v_thumb_mcp;
-    let thumb_cmc_3 = v_thumb_ip + thumb_cmc_2;
-    let thumb_cmc_4 = L::splat(0.046200000000000005) * v_thumb_mcp;
-    let thumb_cmc_5 = mul_add(v_thumb_ip, thumb_ab_2, thumb_cmc_4);
-    let thumb_cmc_6 = v_thumb_ip * thumb_ab_8;
-    let thumb_cmc_7 = mul_sub(
-        thumb_cmc_3,
-        thumb_cmc_1,
-        mul_add(thumb_cmc_6, thumb_ab_23, thumb_cmc_5 * thumb_ab_4),
-    );
-    let thumb_cmc_8 = L::splat(1.1817086524591316e-6)
-        + mul_add(thumb_ab_15, thumb_ab_16, thumb_ab_29);
-    let thumb_cmc_9 = mul_sub(thumb_cmc_2, thumb_cmc_8, thumb_cmc_4 * thumb_ab_16)
-        + thumb_cmc_7;
-    momentum[17] = mul_add(L::splat(1.4328995574980243e-5), v_thumb_cmc, thumb_cmc_9);
-    let thumb_mcp_1 = mul_sub(
-        L::splat(0.006074175147936257),
-        thumb_cmc_5,
-        thumb_cmc_3 * thumb_ab_4,
-    );
-    work[37] = thumb_mcp_1;
-    let thumb_mcp_2 = mul_sub(
-        L::splat(0.0005045121341511694),
-        v_thumb_mcp,
-        thumb_cmc_2 * thumb_ab_16,
-    ) + thumb_mcp_1;
-    work[47] = thumb_mcp_2;
-    momentum[18] = mul_add(L::splat(0.046200000000000005), thumb_mcp_2, thumb_cmc_9);
-    let thumb_ip_1 = mul_sub(
-        L::splat(0.006074175147936257),
-        thumb_cmc_6,
-        thumb_cmc_3 * thumb_ab_23,
-    );
-    work[36] = thumb_ip_1;
-    momentum[19] = thumb_cmc_7
-        + mul_add(thumb_ab_8, thumb_ip_1, thumb_ab_2 * thumb_mcp_1);
-    let ball_tx_1 = L::splat(0.1) * v_ball_tx;
-    work[84] = ball_tx_1;
-    momentum[20] = ball_tx_1;
-    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
-    work[79] = ball_ty_1;
-    momentum[21] = ball_ty_1;
-    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
-    work[77] = ball_tz_1;
-    momentum[22] = ball_tz_1;
-    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    work[86] = sin_ball_ry;
-    let ball_rx_1 = L::splat(4.900000000000001e-5)
-        * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
-    work[93] = ball_rx_1;
-    momentum[23] = ball_rx_1;
-    let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
-    work[78] = sin_ball_rx;
-    work[76] = cos_ball_rx;
-    let ball_ry_1 = cos_ball_rx * cos_ball_ry;
-    work[82] = ball_ry_1;
-    let ball_ry_2 = v_ball_ry * sin_ball_rx;
-    let ball_ry_3 = L::splat(4.900000000000001e-5)
-        * mul_add(v_ball_rz, ball_ry_1, ball_ry_2);
-    work[89] = ball_ry_3;
-    let ball_ry_4 = sin_ball_rx * cos_ball_ry;
-    work[81] = ball_ry_4;
-    let ball_ry_5 = v_ball_ry * cos_ball_rx;
-    let ball_ry_6 = L::splat(4.900000000000001e-5)
-        * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
-    work[90] = ball_ry_6;
-    momentum[24] = mul_add(cos_ball_rx, ball_ry_6, sin_ball_rx * ball_ry_3);
-    momentum[25] = mul_add(
-=======
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
     let little_ab_2 = mul_sub(
         cos_little_mcp,
@@ -4884,37 +2482,49 @@ pub fn evaluate_with_matrix(
         sin_little_mcp * sin_little_pip,
     );
     let little_ab_3 = mul_sub(cos_little_dip, little_ab_2, sin_little_dip * little_ab_1);
-    let little_ab_4 = 2.1674476035646702e-5 * little_ab_3;
-    let little_ab_5 = 0.0181 * little_ab_2;
+    let little_ab_4 = L::splat(2.1674476035646702e-5) * little_ab_3;
+    let little_ab_5 = L::splat(0.0181) * little_ab_2;
     let little_ab_6 = little_ab_5 * little_ab_4;
-    let little_ab_7 = 1.2607031603000897e-6 * little_ab_1;
-    let little_ab_8 = neg_mul_add(little_ab_1, little_ab_7, 6.303515801500448e-7);
-    let little_ab_9 = 8.52669463879885e-5 * little_ab_2;
+    let little_ab_7 = L::splat(1.2607031603000897e-6) * little_ab_1;
+    let little_ab_8 = neg_mul_add(
+        little_ab_1,
+        little_ab_7,
+        L::splat(6.303515801500448e-7),
+    );
+    let little_ab_9 = L::splat(8.52669463879885e-5) * little_ab_2;
     let little_ab_10 = little_ab_9 + little_ab_4;
-    let little_ab_11 = 0.0327 * cos_little_mcp;
-    let little_ab_12 = 1.0254697984200472e-5 * sin_little_mcp;
-    let little_ab_13 = neg_mul_add(sin_little_mcp, little_ab_12, 5.127348992100236e-6);
-    let little_ab_14 = 6.421888546013878e-6
-        + mul_add(2.0, little_ab_11 * little_ab_10, little_ab_13)
-        + mul_add(2.0, little_ab_6, little_ab_8);
+    let little_ab_11 = L::splat(0.0327) * cos_little_mcp;
+    let little_ab_12 = L::splat(1.0254697984200472e-5) * sin_little_mcp;
+    let little_ab_13 = neg_mul_add(
+        sin_little_mcp,
+        little_ab_12,
+        L::splat(5.127348992100236e-6),
+    );
+    let little_ab_14 = L::splat(6.421888546013878e-6)
+        + mul_add(L::splat(2.0), little_ab_11 * little_ab_10, little_ab_13)
+        + mul_add(L::splat(2.0), little_ab_6, little_ab_8);
     let little_ab_15 = mul_add(
         cos_little_dip,
         little_ab_1,
         sin_little_dip * little_ab_2,
     );
-    let little_ab_16 = 1.980053696173141e-7 * little_ab_15;
-    let little_ab_17 = neg_mul_add(little_ab_15, little_ab_16, 9.900268480865706e-8);
+    let little_ab_16 = L::splat(1.980053696173141e-7) * little_ab_15;
+    let little_ab_17 = neg_mul_add(
+        little_ab_15,
+        little_ab_16,
+        L::splat(9.900268480865706e-8),
+    );
     let little_ab_18 = little_ab_17 + little_ab_14;
-    momentum[coordinate::LITTLE_AB] = v_little_ab * little_ab_18;
+    momentum[12] = v_little_ab * little_ab_18;
     let little_mcp_1 = v_little_mcp + v_little_pip;
     let little_mcp_2 = v_little_dip + little_mcp_1;
     let little_mcp_3 = little_mcp_2 * little_ab_4;
-    let little_mcp_4 = 2.1674476035646702e-5 * little_ab_15;
+    let little_mcp_4 = L::splat(2.1674476035646702e-5) * little_ab_15;
     let little_mcp_5 = little_mcp_2 * little_mcp_4;
-    let little_mcp_6 = 0.0181 * little_ab_1;
+    let little_mcp_6 = L::splat(0.0181) * little_ab_1;
     let little_mcp_7 = v_little_mcp * little_ab_11;
-    let little_mcp_8 = 8.52669463879885e-5 * little_ab_1;
-    let little_mcp_9 = 0.0327 * sin_little_mcp;
+    let little_mcp_8 = L::splat(8.52669463879885e-5) * little_ab_1;
+    let little_mcp_9 = L::splat(0.0327) * sin_little_mcp;
     let little_mcp_10 = v_little_mcp * little_mcp_9;
     let little_mcp_11 = mul_add(little_mcp_6, little_mcp_5, little_ab_5 * little_mcp_3)
         + mul_add(little_mcp_10, little_mcp_8, little_mcp_7 * little_ab_9);
@@ -4923,24 +2533,24 @@ pub fn evaluate_with_matrix(
     let little_mcp_14 = little_mcp_1 * little_mcp_6;
     let little_mcp_15 = little_mcp_10 + little_mcp_14;
     let little_mcp_16 = mul_add(
-        2.6438345247648215e-7,
+        L::splat(2.6438345247648215e-7),
         little_mcp_2,
         mul_add(little_mcp_15, little_mcp_4, little_mcp_13 * little_ab_4),
     );
     let little_mcp_17 = little_mcp_16
-        + mul_add(1.388803737033218e-6, little_mcp_1, little_mcp_11);
+        + mul_add(L::splat(1.388803737033218e-6), little_mcp_1, little_mcp_11);
     let little_mcp_18 = little_mcp_1 * little_ab_9;
     let little_mcp_19 = little_mcp_18 + little_mcp_3;
     let little_mcp_20 = little_mcp_1 * little_mcp_8;
     let little_mcp_21 = little_mcp_20 + little_mcp_5;
     let little_mcp_22 = mul_add(
-        1.0625404613563116e-5,
+        L::splat(1.0625404613563116e-5),
         v_little_mcp,
         mul_add(little_mcp_9, little_mcp_21, little_ab_11 * little_mcp_19),
     );
-    momentum[coordinate::LITTLE_MCP] = little_mcp_17 + little_mcp_22;
-    momentum[coordinate::LITTLE_PIP] = little_mcp_17;
-    momentum[coordinate::LITTLE_DIP] = little_mcp_16;
+    momentum[13] = little_mcp_17 + little_mcp_22;
+    momentum[14] = little_mcp_17;
+    momentum[15] = little_mcp_16;
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_ab_1 = mul_add(
@@ -4955,33 +2565,41 @@ pub fn evaluate_with_matrix(
         sin_thumb_cmc * sin_thumb_mcp,
     );
     let thumb_ab_3 = mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
-    let thumb_ab_4 = 6.59048003551084e-5 * thumb_ab_3;
-    let thumb_ab_5 = 0.0316 * thumb_ab_2;
+    let thumb_ab_4 = L::splat(6.59048003551084e-5) * thumb_ab_3;
+    let thumb_ab_5 = L::splat(0.0316) * thumb_ab_2;
     let thumb_ab_6 = thumb_ab_5 * thumb_ab_4;
-    let thumb_ab_7 = 9.42724093757499e-6 * thumb_ab_1;
-    let thumb_ab_8 = neg_mul_add(thumb_ab_1, thumb_ab_7, 4.713620468787495e-6);
-    let thumb_ab_9 = 0.00036448271648406014 * thumb_ab_2;
+    let thumb_ab_7 = L::splat(9.42724093757499e-6) * thumb_ab_1;
+    let thumb_ab_8 = neg_mul_add(thumb_ab_1, thumb_ab_7, L::splat(4.713620468787495e-6));
+    let thumb_ab_9 = L::splat(0.00036448271648406014) * thumb_ab_2;
     let thumb_ab_10 = thumb_ab_9 + thumb_ab_4;
-    let thumb_ab_11 = 0.046200000000000005 * cos_thumb_cmc;
-    let thumb_ab_12 = 4.943365874069823e-5 * sin_thumb_cmc;
-    let thumb_ab_13 = neg_mul_add(sin_thumb_cmc, thumb_ab_12, 2.4716829370349116e-5);
-    let thumb_ab_14 = 3.180643293651146e-5
-        + mul_add(2.0, thumb_ab_11 * thumb_ab_10, thumb_ab_13)
-        + mul_add(2.0, thumb_ab_6, thumb_ab_8);
+    let thumb_ab_11 = L::splat(0.046200000000000005) * cos_thumb_cmc;
+    let thumb_ab_12 = L::splat(4.943365874069823e-5) * sin_thumb_cmc;
+    let thumb_ab_13 = neg_mul_add(
+        sin_thumb_cmc,
+        thumb_ab_12,
+        L::splat(2.4716829370349116e-5),
+    );
+    let thumb_ab_14 = L::splat(3.180643293651146e-5)
+        + mul_add(L::splat(2.0), thumb_ab_11 * thumb_ab_10, thumb_ab_13)
+        + mul_add(L::splat(2.0), thumb_ab_6, thumb_ab_8);
     let thumb_ab_15 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
-    let thumb_ab_16 = 8.304207317248589e-7 * thumb_ab_15;
-    let thumb_ab_17 = neg_mul_add(thumb_ab_15, thumb_ab_16, 4.1521036586242944e-7);
+    let thumb_ab_16 = L::splat(8.304207317248589e-7) * thumb_ab_15;
+    let thumb_ab_17 = neg_mul_add(
+        thumb_ab_15,
+        thumb_ab_16,
+        L::splat(4.1521036586242944e-7),
+    );
     let thumb_ab_18 = thumb_ab_17 + thumb_ab_14;
-    momentum[coordinate::THUMB_AB] = v_thumb_ab * thumb_ab_18;
+    momentum[16] = v_thumb_ab * thumb_ab_18;
     let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
     let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
     let thumb_cmc_3 = thumb_cmc_2 * thumb_ab_4;
-    let thumb_cmc_4 = 6.59048003551084e-5 * thumb_ab_15;
+    let thumb_cmc_4 = L::splat(6.59048003551084e-5) * thumb_ab_15;
     let thumb_cmc_5 = thumb_cmc_2 * thumb_cmc_4;
-    let thumb_cmc_6 = 0.0316 * thumb_ab_1;
+    let thumb_cmc_6 = L::splat(0.0316) * thumb_ab_1;
     let thumb_cmc_7 = v_thumb_cmc * thumb_ab_11;
-    let thumb_cmc_8 = 0.00036448271648406014 * thumb_ab_1;
-    let thumb_cmc_9 = 0.046200000000000005 * sin_thumb_cmc;
+    let thumb_cmc_8 = L::splat(0.00036448271648406014) * thumb_ab_1;
+    let thumb_cmc_9 = L::splat(0.046200000000000005) * sin_thumb_cmc;
     let thumb_cmc_10 = v_thumb_cmc * thumb_cmc_9;
     let thumb_cmc_11 = mul_add(thumb_cmc_6, thumb_cmc_5, thumb_ab_5 * thumb_cmc_3)
         + mul_add(thumb_cmc_10, thumb_cmc_8, thumb_cmc_7 * thumb_ab_9);
@@ -4990,47 +2608,45 @@ pub fn evaluate_with_matrix(
     let thumb_cmc_14 = thumb_cmc_1 * thumb_cmc_6;
     let thumb_cmc_15 = thumb_cmc_10 + thumb_cmc_14;
     let thumb_cmc_16 = mul_add(
-        1.0764248252162773e-6,
+        L::splat(1.0764248252162773e-6),
         thumb_cmc_2,
         mul_add(thumb_cmc_15, thumb_cmc_4, thumb_cmc_13 * thumb_ab_4),
     );
     let thumb_cmc_17 = thumb_cmc_16
-        + mul_add(9.973249740768897e-6, thumb_cmc_1, thumb_cmc_11);
+        + mul_add(L::splat(9.973249740768897e-6), thumb_cmc_1, thumb_cmc_11);
     let thumb_cmc_18 = thumb_cmc_1 * thumb_ab_9;
     let thumb_cmc_19 = thumb_cmc_18 + thumb_cmc_3;
     let thumb_cmc_20 = thumb_cmc_1 * thumb_cmc_8;
     let thumb_cmc_21 = thumb_cmc_20 + thumb_cmc_5;
     let thumb_cmc_22 = mul_add(
-        5.060241857552533e-5,
+        L::splat(5.060241857552533e-5),
         v_thumb_cmc,
         mul_add(thumb_cmc_9, thumb_cmc_21, thumb_ab_11 * thumb_cmc_19),
     );
-    momentum[coordinate::THUMB_CMC] = thumb_cmc_17 + thumb_cmc_22;
-    momentum[coordinate::THUMB_MCP] = thumb_cmc_17;
-    momentum[coordinate::THUMB_IP] = thumb_cmc_16;
-    let ball_tx_1 = 0.1 * v_ball_tx;
-    momentum[coordinate::BALL_TX] = ball_tx_1;
-    let ball_ty_1 = 0.1 * v_ball_ty;
-    momentum[coordinate::BALL_TY] = ball_ty_1;
-    let ball_tz_1 = 0.1 * v_ball_tz;
-    momentum[coordinate::BALL_TZ] = ball_tz_1;
+    momentum[17] = thumb_cmc_17 + thumb_cmc_22;
+    momentum[18] = thumb_cmc_17;
+    momentum[19] = thumb_cmc_16;
+    let ball_tx_1 = L::splat(0.1) * v_ball_tx;
+    momentum[20] = ball_tx_1;
+    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
+    momentum[21] = ball_ty_1;
+    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
+    momentum[22] = ball_tz_1;
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    let ball_rx_1 = 4.900000000000001e-5 * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
-    momentum[coordinate::BALL_RX] = ball_rx_1;
+    let ball_rx_1 = L::splat(4.900000000000001e-5)
+        * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
+    momentum[23] = ball_rx_1;
     let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
     let ball_ry_1 = cos_ball_rx * cos_ball_ry;
     let ball_ry_2 = v_ball_ry * sin_ball_rx;
-    let ball_ry_3 = 4.900000000000001e-5 * mul_add(v_ball_rz, ball_ry_1, ball_ry_2);
+    let ball_ry_3 = L::splat(4.900000000000001e-5)
+        * mul_add(v_ball_rz, ball_ry_1, ball_ry_2);
     let ball_ry_4 = sin_ball_rx * cos_ball_ry;
     let ball_ry_5 = v_ball_ry * cos_ball_rx;
-    let ball_ry_6 = 4.900000000000001e-5 * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
-    momentum[coordinate::BALL_RY] = mul_add(
-        cos_ball_rx,
-        ball_ry_6,
-        sin_ball_rx * ball_ry_3,
-    );
-    momentum[coordinate::BALL_RZ] = mul_add(
->>>>>>> work-a
+    let ball_ry_6 = L::splat(4.900000000000001e-5)
+        * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
+    momentum[24] = mul_add(cos_ball_rx, ball_ry_6, sin_ball_rx * ball_ry_3);
+    momentum[25] = mul_add(
         ball_ry_1,
         ball_ry_3,
         mul_sub(sin_ball_ry, ball_rx_1, ball_ry_4 * ball_ry_6),
@@ -5052,77 +2668,40 @@ pub fn evaluate_with_matrix(
         cos_index_ab,
         L::splat(0.012) * sin_index_ab,
     );
-<<<<<<< HEAD
-    let index_fdp_5 = index_fdp_4 * index_fdp_4;
-    let index_fdp_6 = mul_add(
+    let index_fdp_5 = mul_add(
         L::splat(0.01),
         cos_index_mcp,
         L::splat(0.012) * sin_index_mcp,
     );
-    let index_fdp_7 = L::splat(0.011) - index_fdp_6;
-    let index_fdp_8 = sqrt(
-        mul_add(index_fdp_7, index_fdp_7, mul_add(index_fdp_3, index_fdp_3, index_fdp_5)),
-    );
-    let index_fdp_9 = L::splat(1.0) / index_fdp_8;
-    let index_fdp_10 = index_fdp_3 * index_fdp_9;
-    let index_fdp_11 = index_fdp_4 * index_fdp_9;
-    let index_fdp_12 = neg_mul_add(
-        index_fdp_4,
-        index_fdp_10,
-        index_fdp_2 * index_fdp_11,
-    );
-    let index_fdp_13 = neg_mul_add(
-        L::splat(3.1487999999999994e-5),
-        cos_index_pip,
-        L::splat(0.000172672) * sin_index_pip,
-    );
-    let index_fdp_14 = sqrt(
-        neg_mul_add(L::splat(2.0), index_fdp_13, L::splat(0.000354510464)),
-    );
-    let index_fdp_15 = mul_add(
-        L::splat(7.315840000000005e-6),
-        cos_index_dip,
-        L::splat(7.6342e-5) * sin_index_dip,
-    );
-    let index_fdp_16 = sqrt(
-        neg_mul_add(L::splat(2.0), index_fdp_15, L::splat(0.00015491888400000003)),
-    );
-    let index_fdp_17 = (L::splat(0.12972844537042483) + index_fdp_8 + index_fdp_14
-        + index_fdp_16 - rest_index_fdp) * c_2;
-    let index_edc_1 = mul_add(
-        L::splat(0.003),
-        cos_index_mcp,
-        L::splat(0.0105) * sin_index_mcp,
-    );
-=======
-    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
-    let index_fdp_6 = 0.011 - index_fdp_5;
+    let index_fdp_6 = L::splat(0.011) - index_fdp_5;
     let index_fdp_7 = mul_add(
         index_fdp_6,
         index_fdp_6,
         mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
     );
     let index_fdp_8 = sqrt(index_fdp_7);
-    let index_fdp_9 = 1.0 / index_fdp_8;
+    let index_fdp_9 = L::splat(1.0) / index_fdp_8;
     let index_fdp_10 = index_fdp_9
         * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3);
     let index_fdp_11 = neg_mul_add(
-        6.297599999999999e-5,
+        L::splat(6.297599999999999e-5),
         cos_index_pip,
-        0.000345344 * sin_index_pip,
+        L::splat(0.000345344) * sin_index_pip,
     );
-    let index_fdp_12 = sqrt(0.000354510464 - index_fdp_11);
+    let index_fdp_12 = sqrt(L::splat(0.000354510464) - index_fdp_11);
     let index_fdp_13 = mul_add(
-        1.463168000000001e-5,
+        L::splat(1.463168000000001e-5),
         cos_index_dip,
-        0.000152684 * sin_index_dip,
+        L::splat(0.000152684) * sin_index_dip,
     );
-    let index_fdp_14 = sqrt(0.00015491888400000003 - index_fdp_13);
-    let index_fdp_15 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_12 + index_fdp_14
-            - rest_index_fdp);
-    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
->>>>>>> work-a
+    let index_fdp_14 = sqrt(L::splat(0.00015491888400000003) - index_fdp_13);
+    let index_fdp_15 = (L::splat(0.12972844537042483) + index_fdp_8 + index_fdp_12
+        + index_fdp_14 - rest_index_fdp) * c_3;
+    let index_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_index_mcp,
+        L::splat(0.0105) * sin_index_mcp,
+    );
     let index_edc_2 = mul_add(
         L::splat(0.002999999999999997),
         cos_index_ab,
@@ -5134,56 +2713,29 @@ pub fn evaluate_with_matrix(
         cos_index_ab,
         L::splat(0.002999999999999997) * sin_index_ab,
     );
-<<<<<<< HEAD
-    let index_edc_5 = index_edc_4 * index_edc_4;
-    let index_edc_6 = mul_sub(
+    let index_edc_5 = mul_sub(
         L::splat(0.0105),
         cos_index_mcp,
         L::splat(0.003) * sin_index_mcp,
     );
-    let index_edc_7 = L::splat(-0.011) + index_edc_6;
-    let index_edc_8 = sqrt(
-        mul_add(index_edc_7, index_edc_7, mul_add(index_edc_3, index_edc_3, index_edc_5)),
-    );
-    let index_edc_9 = L::splat(1.0) / index_edc_8;
-    let index_edc_10 = index_edc_3 * index_edc_9;
-    let index_edc_11 = index_edc_4 * index_edc_9;
-    let index_edc_12 = neg_mul_add(
-        index_edc_4,
-        index_edc_10,
-        index_edc_2 * index_edc_11,
-    );
-    let index_edc_13 = mul_sub(
-        L::splat(7.699999999999999e-5),
-        cos_index_pip,
-        L::splat(3.6000000000000014e-5) * sin_index_pip,
-    );
-    let index_edc_14 = sqrt(
-        neg_mul_add(L::splat(2.0), index_edc_13, L::splat(0.00016999999999999999)),
-    );
-    let index_edc_15 = (L::splat(0.14993665655140606) + index_edc_8 + index_edc_14
-        - rest_index_edc) * c_3;
-=======
-    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
-    let index_edc_6 = -0.011 + index_edc_5;
+    let index_edc_6 = L::splat(-0.011) + index_edc_5;
     let index_edc_7 = mul_add(
         index_edc_6,
         index_edc_6,
         mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
     );
     let index_edc_8 = sqrt(index_edc_7);
-    let index_edc_9 = 1.0 / index_edc_8;
+    let index_edc_9 = L::splat(1.0) / index_edc_8;
     let index_edc_10 = index_edc_9
         * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3);
     let index_edc_11 = mul_sub(
-        0.00015399999999999998,
+        L::splat(0.00015399999999999998),
         cos_index_pip,
-        7.200000000000003e-5 * sin_index_pip,
+        L::splat(7.200000000000003e-5) * sin_index_pip,
     );
-    let index_edc_12 = sqrt(0.00016999999999999999 - index_edc_11);
-    let index_edc_13 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_12 - rest_index_edc);
->>>>>>> work-a
+    let index_edc_12 = sqrt(L::splat(0.00016999999999999999) - index_edc_11);
+    let index_edc_13 = (L::splat(0.14993665655140606) + index_edc_8 + index_edc_12
+        - rest_index_edc) * c_2;
     let index_interosseous_1 = neg_mul_add(
         L::splat(0.008000000000000004),
         cos_index_ab,
@@ -5219,36 +2771,19 @@ pub fn evaluate_with_matrix(
         ),
     );
     let index_interosseous_11 = sqrt(index_interosseous_10);
-<<<<<<< HEAD
     let index_interosseous_12 = L::splat(1.0) / index_interosseous_11;
-    let index_interosseous_13 = index_interosseous_4 * index_interosseous_12;
-    let index_interosseous_14 = index_interosseous_6 * index_interosseous_12;
-    let index_interosseous_15 = neg_mul_add(
-        index_interosseous_5,
-        index_interosseous_13,
-        index_interosseous_1 * index_interosseous_14,
-    );
-    let index_interosseous_16 = (L::splat(0.045210728815182795) + index_interosseous_11
-        - rest_index_interosseous) * c_1;
-    let index_ab_33 = mul_add(
-        index_interosseous_15,
-        index_interosseous_16,
-        mul_add(index_fdp_12, index_fdp_17, index_edc_12 * index_edc_15),
-=======
-    let index_interosseous_12 = 1.0 / index_interosseous_11;
     let index_interosseous_13 = index_interosseous_12
         * mul_sub(
             index_interosseous_1,
             index_interosseous_6,
             index_interosseous_5 * index_interosseous_4,
         );
-    let index_interosseous_14 = k_intrinsic
-        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
+    let index_interosseous_14 = (L::splat(0.045210728815182795) + index_interosseous_11
+        - rest_index_interosseous) * c_1;
     let index_ab_19 = mul_add(
         index_interosseous_13,
         index_interosseous_14,
-        mul_add(index_fdp_10, index_fdp_15, index_edc_10 * index_edc_13),
->>>>>>> work-a
+        mul_add(index_edc_10, index_edc_13, index_fdp_10 * index_fdp_15),
     );
     let index_band_1 = neg_mul_add(L::splat(0.005), sin_index_mcp, index_interosseous_2);
     let index_band_2 = mul_add(
@@ -5271,77 +2806,26 @@ pub fn evaluate_with_matrix(
         mul_add(index_band_3, index_band_3, index_band_5 * index_band_5),
     );
     let index_band_9 = sqrt(index_band_8);
-<<<<<<< HEAD
     let index_band_10 = L::splat(1.0) / index_band_9;
-    let index_band_11 = index_band_3 * index_band_10;
-    let index_band_12 = index_band_5 * index_band_10;
-    let index_band_13 = mul_add(
-        index_band_4,
-        index_band_11,
-        index_band_2 * index_band_12,
-    );
-    let index_band_14 = mul_sub(
-        L::splat(2.6999999999999985e-5),
-        cos_index_pip,
-        L::splat(3.600000000000002e-5) * sin_index_pip,
-    );
-    let index_band_15 = sqrt(
-        neg_mul_add(L::splat(2.0), index_band_14, L::splat(9.000000000000003e-5)),
-    );
-    let index_band_16 = mul_sub(
-        L::splat(3.825e-5),
-        cos_index_dip,
-        L::splat(2.5999999999999988e-5) * sin_index_dip,
-    );
-    let index_band_17 = sqrt(
-        neg_mul_add(L::splat(2.0), index_band_16, L::splat(9.649999999999999e-5)),
-    );
-    let index_band_18 = (L::splat(0.09421199494172741) + index_band_9 + index_band_15
-        + index_band_17 - rest_index_band) * c_1;
-    force[0] = neg_mul_add(
-        v_index_ab,
-        c_0,
-        mul_sub(index_band_13, index_band_18, index_ab_33),
-    );
-    let index_mcp_10 = index_ab_16 + index_ab_4;
-    let index_mcp_11 = L::splat(0.00022169899542251022) + index_mcp_10;
-    let index_mcp_12 = L::splat(9.81) * cos_index_mcp;
-    let index_mcp_13 = index_ab_28 + index_ab_23;
-    let index_mcp_14 = L::splat(9.81) * sin_index_mcp;
-    let index_mcp_15 = index_mcp_13 * index_mcp_14;
-    let index_mcp_16 = mul_sub(index_mcp_11, index_mcp_12, index_mcp_15)
-        - mul_add(index_ab_7, index_ab_32, index_ab_12 * index_ab_22);
-    let index_fdp_18 = index_fdp_7 * index_fdp_9;
-    let index_fdp_19 = mul_add(index_fdp_6, index_fdp_10, index_fdp_1 * index_fdp_18);
-    let index_edc_16 = index_edc_7 * index_edc_9;
-    let index_edc_17 = mul_sub(index_edc_6, index_edc_10, index_edc_1 * index_edc_16);
-    let index_interosseous_17 = index_interosseous_9 * index_interosseous_12;
-    let index_interosseous_18 = mul_add(
-        index_interosseous_8,
-        index_interosseous_13,
-        index_interosseous_3 * index_interosseous_17,
-=======
-    let index_band_10 = 1.0 / index_band_9;
     let index_band_11 = index_band_10
         * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3);
     let index_band_12 = mul_sub(
-        5.399999999999997e-5,
+        L::splat(5.399999999999997e-5),
         cos_index_pip,
-        7.200000000000004e-5 * sin_index_pip,
+        L::splat(7.200000000000004e-5) * sin_index_pip,
     );
-    let index_band_13 = sqrt(9.000000000000003e-5 - index_band_12);
+    let index_band_13 = sqrt(L::splat(9.000000000000003e-5) - index_band_12);
     let index_band_14 = mul_sub(
-        7.65e-5,
+        L::splat(7.65e-5),
         cos_index_dip,
-        5.1999999999999976e-5 * sin_index_dip,
+        L::splat(5.1999999999999976e-5) * sin_index_dip,
     );
-    let index_band_15 = sqrt(9.649999999999999e-5 - index_band_14);
-    let index_band_16 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_13 + index_band_15
-            - rest_index_band);
-    force[coordinate::INDEX_AB] = neg_mul_add(
-        damping,
+    let index_band_15 = sqrt(L::splat(9.649999999999999e-5) - index_band_14);
+    let index_band_16 = (L::splat(0.09421199494172741) + index_band_9 + index_band_13
+        + index_band_15 - rest_index_band) * c_1;
+    force[0] = neg_mul_add(
         v_index_ab,
+        c_0,
         mul_sub(index_band_11, index_band_16, index_ab_19),
     );
     let index_mcp_23 = v_index_ab * index_mcp_4;
@@ -5352,12 +2836,11 @@ pub fn evaluate_with_matrix(
         index_mcp_26,
         index_mcp_23,
         neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
->>>>>>> work-a
     );
     let index_mcp_28 = index_ab_3 * index_ab_16;
     let index_mcp_29 = v_index_ab * v_index_ab;
     let index_mcp_30 = mul_add(
-        0.00020734416756975027,
+        L::splat(0.00020734416756975027),
         index_ab_3,
         neg_mul_add(index_mcp_28, index_mcp_29, index_mcp_27),
     );
@@ -5376,7 +2859,7 @@ pub fn evaluate_with_matrix(
     );
     let index_mcp_36 = index_ab_2 * index_ab_7;
     let index_mcp_37 = mul_add(
-        0.0011322366977691216,
+        L::splat(0.0011322366977691216),
         index_ab_2,
         index_mcp_30
             + neg_mul_add(index_mcp_36, index_mcp_29, index_mcp_33 + index_mcp_35),
@@ -5391,7 +2874,7 @@ pub fn evaluate_with_matrix(
     );
     let index_mcp_42 = cos_index_mcp * index_ab_12;
     let index_mcp_43 = mul_add(
-        0.005153756457670269,
+        L::splat(0.005153756457670269),
         cos_index_mcp,
         index_mcp_37 + neg_mul_add(index_mcp_42, index_mcp_29, index_mcp_41),
     );
@@ -5414,67 +2897,29 @@ pub fn evaluate_with_matrix(
             mul_add(index_fdp_16, index_fdp_15, index_mcp_43),
         ),
     );
-<<<<<<< HEAD
-    let index_band_19 = index_band_7 * index_band_10;
-    let index_band_20 = mul_add(
-        index_band_6,
-        index_band_11,
-        index_band_1 * index_band_19,
-    );
+    let index_band_17 = index_band_10
+        * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7);
     force[1] = neg_mul_add(
         v_index_mcp,
         c_0,
-        mul_add(index_band_20, index_band_18, index_mcp_17),
+        mul_add(index_band_17, index_band_16, index_mcp_44),
     );
-    let index_pip_3 = mul_sub(index_ab_12, index_ab_23, index_ab_7 * index_ab_4);
-    let index_pip_4 = mul_sub(index_ab_12, index_ab_28, index_ab_7 * index_ab_16)
-        + index_pip_3;
-    let index_pip_5 = L::splat(0.039799999999999995) * index_ab_12;
-    let index_pip_6 = neg_mul_add(index_mcp_2, index_ab_28, index_dip_1);
-    let index_pip_7 = L::splat(0.039799999999999995) * v_index_mcp;
-    let index_pip_8 = mul_sub(index_pip_7, index_pip_6, index_pip_5 * index_pip_4)
-        - mul_add(index_ab_7, index_ab_31, index_ab_12 * index_ab_21);
-    let index_pip_9 = index_pip_8
-        + neg_mul_add(
-            L::splat(0.002978889312575444),
-            cos_index_mcp,
-            mul_sub(index_mcp_10, index_mcp_12, index_mcp_15),
-        );
-    let index_fdp_20 = L::splat(1.0) / index_fdp_14;
-    let index_fdp_21 = index_fdp_20
+    let index_fdp_17 = L::splat(1.0) / index_fdp_12;
+    let index_fdp_18 = index_fdp_17
         * mul_add(
             L::splat(3.1487999999999994e-5),
             sin_index_pip,
             L::splat(0.000172672) * cos_index_pip,
         );
-    let index_edc_18 = L::splat(1.0) / index_edc_14;
-    let index_edc_19 = index_edc_18
-=======
-    let index_band_17 = index_band_10
-        * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7);
-    force[coordinate::INDEX_MCP] = neg_mul_add(
-        damping,
-        v_index_mcp,
-        mul_add(index_band_17, index_band_16, index_mcp_44),
-    );
-    let index_fdp_17 = 1.0 / index_fdp_12;
-    let index_fdp_18 = index_fdp_17
-        * mul_add(3.1487999999999994e-5, sin_index_pip, 0.000172672 * cos_index_pip);
-    let index_edc_15 = 1.0 / index_edc_12;
+    let index_edc_15 = L::splat(1.0) / index_edc_12;
     let index_edc_16 = index_edc_15
->>>>>>> work-a
         * mul_add(
             L::splat(7.699999999999999e-5),
             sin_index_pip,
             L::splat(3.6000000000000014e-5) * cos_index_pip,
         );
-<<<<<<< HEAD
-    let index_band_21 = L::splat(1.0) / index_band_15;
-    let index_band_22 = index_band_21
-=======
-    let index_band_18 = 1.0 / index_band_13;
+    let index_band_18 = L::splat(1.0) / index_band_13;
     let index_band_19 = index_band_18
->>>>>>> work-a
         * mul_add(
             L::splat(2.6999999999999985e-5),
             sin_index_pip,
@@ -5489,51 +2934,22 @@ pub fn evaluate_with_matrix(
             mul_add(index_fdp_18, index_fdp_15, index_mcp_37),
         ),
     );
-<<<<<<< HEAD
-    force[2] = neg_mul_add(v_index_pip, c_0, index_pip_10);
-    let index_dip_2 = mul_add(index_ab_8, index_ab_7, index_ab_2 * index_ab_12);
-    let index_dip_3 = mul_sub(index_ab_2, index_mcp_2, index_mcp_4);
-    let index_dip_4 = index_ab_8 * index_mcp_2;
-    let index_dip_5 = neg_mul_add(
-        index_dip_4,
-        index_pip_1,
-        mul_sub(index_dip_3, index_dip_1, index_dip_2 * index_pip_3),
-    );
-    let index_dip_6 = mul_sub(
-        index_ab_8,
-        L::splat(0.02624609716072788) * sin_index_mcp,
-        index_ab_2 * (L::splat(0.02624609716072788) * cos_index_mcp),
-    );
-    let index_dip_7 = index_dip_5
-        - mul_add(index_ab_7, index_ab_27, index_ab_12 * index_ab_14)
-        + (neg_mul_add(index_ab_23, index_mcp_14, index_ab_4 * index_mcp_12)
-            + index_dip_6);
-    let index_fdp_22 = L::splat(1.0) / index_fdp_16;
-    let index_fdp_23 = index_fdp_22
+    force[2] = neg_mul_add(v_index_pip, c_0, index_pip_1);
+    let index_fdp_19 = L::splat(1.0) / index_fdp_14;
+    let index_fdp_20 = index_fdp_19
         * mul_sub(
             L::splat(7.315840000000005e-6),
             sin_index_dip,
             L::splat(7.6342e-5) * cos_index_dip,
         );
-    let index_band_23 = L::splat(1.0) / index_band_17;
-    let index_band_24 = index_band_23
+    let index_band_20 = L::splat(1.0) / index_band_15;
+    let index_band_21 = index_band_20
         * mul_add(
             L::splat(3.825e-5),
             sin_index_dip,
             L::splat(2.5999999999999988e-5) * cos_index_dip,
         );
     force[3] = neg_mul_add(
-=======
-    force[coordinate::INDEX_PIP] = neg_mul_add(damping, v_index_pip, index_pip_1);
-    let index_fdp_19 = 1.0 / index_fdp_14;
-    let index_fdp_20 = index_fdp_19
-        * mul_sub(7.315840000000005e-6, sin_index_dip, 7.6342e-5 * cos_index_dip);
-    let index_band_20 = 1.0 / index_band_15;
-    let index_band_21 = index_band_20
-        * mul_add(3.825e-5, sin_index_dip, 2.5999999999999988e-5 * cos_index_dip);
-    force[coordinate::INDEX_DIP] = neg_mul_add(
-        damping,
->>>>>>> work-a
         v_index_dip,
         c_0,
         neg_mul_add(
@@ -5550,48 +2966,36 @@ pub fn evaluate_with_matrix(
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
     let middle_fdp_2 = L::splat(0.011999999999999997) * cos_middle_ab;
     let middle_fdp_3 = middle_fdp_2 + middle_fdp_1;
-<<<<<<< HEAD
     let middle_fdp_4 = L::splat(0.011999999999999997) * sin_middle_ab;
-    let middle_fdp_5 = middle_fdp_4 * middle_fdp_4;
-    let middle_fdp_6 = mul_add(
+    let middle_fdp_5 = mul_add(
         L::splat(0.01),
         cos_middle_mcp,
         L::splat(0.012) * sin_middle_mcp,
     );
-    let middle_fdp_7 = L::splat(0.011) - middle_fdp_6;
-    let middle_fdp_8 = sqrt(
-        mul_add(
-            middle_fdp_7,
-            middle_fdp_7,
-            mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_5),
-        ),
+    let middle_fdp_6 = L::splat(0.011) - middle_fdp_5;
+    let middle_fdp_7 = mul_add(
+        middle_fdp_6,
+        middle_fdp_6,
+        mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
     );
-    let middle_fdp_9 = L::splat(1.0) / middle_fdp_8;
-    let middle_fdp_10 = middle_fdp_3 * middle_fdp_9;
-    let middle_fdp_11 = middle_fdp_4 * middle_fdp_9;
-    let middle_fdp_12 = neg_mul_add(
-        middle_fdp_4,
-        middle_fdp_10,
-        middle_fdp_2 * middle_fdp_11,
-    );
-    let middle_fdp_13 = neg_mul_add(
-        L::splat(4.9505999999999956e-5),
+    let middle_fdp_8 = sqrt(middle_fdp_7);
+    let middle_fdp_9 = neg_mul_add(
+        L::splat(9.901199999999991e-5),
         cos_middle_pip,
-        L::splat(0.00018741399999999995) * sin_middle_pip,
+        L::splat(0.0003748279999999999) * sin_middle_pip,
     );
-    let middle_fdp_14 = sqrt(
-        neg_mul_add(L::splat(2.0), middle_fdp_13, L::splat(0.00038801411599999986)),
-    );
-    let middle_fdp_15 = neg_mul_add(
-        L::splat(2.8467600000000052e-6),
+    let middle_fdp_10 = sqrt(L::splat(0.00038801411599999986) - middle_fdp_9);
+    let middle_fdp_11 = neg_mul_add(
+        L::splat(5.6935200000000105e-6),
         cos_middle_dip,
-        L::splat(8.681400000000001e-5) * sin_middle_dip,
+        L::splat(0.00017362800000000003) * sin_middle_dip,
     );
-    let middle_fdp_16 = sqrt(
-        neg_mul_add(L::splat(2.0), middle_fdp_15, L::splat(0.00017631659600000004)),
-    );
-    let middle_fdp_17 = (L::splat(0.13218112782147726) + middle_fdp_8 + middle_fdp_14
-        + middle_fdp_16 - rest_middle_fdp) * c_2;
+    let middle_fdp_12 = sqrt(L::splat(0.00017631659600000004) - middle_fdp_11);
+    let middle_fdp_13 = (L::splat(0.13218112782147726) + middle_fdp_8 + middle_fdp_10
+        + middle_fdp_12 - rest_middle_fdp) * c_3;
+    let middle_fdp_14 = L::splat(1.0) / middle_fdp_8;
+    let middle_fdp_15 = middle_fdp_14
+        * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3);
     let middle_edc_1 = mul_add(
         L::splat(0.003),
         cos_middle_mcp,
@@ -5600,38 +3004,29 @@ pub fn evaluate_with_matrix(
     let middle_edc_2 = L::splat(0.0030000000000000027) * cos_middle_ab;
     let middle_edc_3 = middle_edc_2 + middle_edc_1;
     let middle_edc_4 = L::splat(0.0030000000000000027) * sin_middle_ab;
-    let middle_edc_5 = middle_edc_4 * middle_edc_4;
-    let middle_edc_6 = mul_sub(
+    let middle_edc_5 = mul_sub(
         L::splat(0.0105),
         cos_middle_mcp,
         L::splat(0.003) * sin_middle_mcp,
     );
-    let middle_edc_7 = L::splat(-0.011) + middle_edc_6;
-    let middle_edc_8 = sqrt(
-        mul_add(
-            middle_edc_7,
-            middle_edc_7,
-            mul_add(middle_edc_3, middle_edc_3, middle_edc_5),
-        ),
+    let middle_edc_6 = L::splat(-0.011) + middle_edc_5;
+    let middle_edc_7 = mul_add(
+        middle_edc_6,
+        middle_edc_6,
+        mul_add(middle_edc_3, middle_edc_3, middle_edc_4 * middle_edc_4),
     );
+    let middle_edc_8 = sqrt(middle_edc_7);
     let middle_edc_9 = L::splat(1.0) / middle_edc_8;
-    let middle_edc_10 = middle_edc_3 * middle_edc_9;
-    let middle_edc_11 = middle_edc_4 * middle_edc_9;
-    let middle_edc_12 = neg_mul_add(
-        middle_edc_4,
-        middle_edc_10,
-        middle_edc_2 * middle_edc_11,
-    );
-    let middle_edc_13 = mul_sub(
-        L::splat(7.699999999999999e-5),
+    let middle_edc_10 = middle_edc_9
+        * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3);
+    let middle_edc_11 = mul_sub(
+        L::splat(0.00015399999999999998),
         cos_middle_pip,
-        L::splat(3.6000000000000014e-5) * sin_middle_pip,
+        L::splat(7.200000000000003e-5) * sin_middle_pip,
     );
-    let middle_edc_14 = sqrt(
-        neg_mul_add(L::splat(2.0), middle_edc_13, L::splat(0.00016999999999999999)),
-    );
-    let middle_edc_15 = (L::splat(0.15123287910466324) + middle_edc_8 + middle_edc_14
-        - rest_middle_edc) * c_3;
+    let middle_edc_12 = sqrt(L::splat(0.00016999999999999999) - middle_edc_11);
+    let middle_edc_13 = (L::splat(0.15123287910466324) + middle_edc_8 + middle_edc_12
+        - rest_middle_edc) * c_2;
     let middle_interosseous_1 = L::splat(0.007999999999999993) * cos_middle_ab;
     let middle_interosseous_2 = mul_sub(
         L::splat(0.011),
@@ -5639,61 +3034,6 @@ pub fn evaluate_with_matrix(
         middle_interosseous_1,
     );
     let middle_interosseous_3 = L::splat(0.008) * cos_middle_mcp;
-=======
-    let middle_fdp_4 = 0.011999999999999997 * sin_middle_ab;
-    let middle_fdp_5 = mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
-    let middle_fdp_6 = 0.011 - middle_fdp_5;
-    let middle_fdp_7 = mul_add(
-        middle_fdp_6,
-        middle_fdp_6,
-        mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
-    );
-    let middle_fdp_8 = sqrt(middle_fdp_7);
-    let middle_fdp_9 = neg_mul_add(
-        9.901199999999991e-5,
-        cos_middle_pip,
-        0.0003748279999999999 * sin_middle_pip,
-    );
-    let middle_fdp_10 = sqrt(0.00038801411599999986 - middle_fdp_9);
-    let middle_fdp_11 = neg_mul_add(
-        5.6935200000000105e-6,
-        cos_middle_dip,
-        0.00017362800000000003 * sin_middle_dip,
-    );
-    let middle_fdp_12 = sqrt(0.00017631659600000004 - middle_fdp_11);
-    let middle_fdp_13 = k_flexor
-        * (0.13218112782147726 + middle_fdp_8 + middle_fdp_10 + middle_fdp_12
-            - rest_middle_fdp);
-    let middle_fdp_14 = 1.0 / middle_fdp_8;
-    let middle_fdp_15 = middle_fdp_14
-        * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3);
-    let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
-    let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
-    let middle_edc_3 = middle_edc_2 + middle_edc_1;
-    let middle_edc_4 = 0.0030000000000000027 * sin_middle_ab;
-    let middle_edc_5 = mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
-    let middle_edc_6 = -0.011 + middle_edc_5;
-    let middle_edc_7 = mul_add(
-        middle_edc_6,
-        middle_edc_6,
-        mul_add(middle_edc_3, middle_edc_3, middle_edc_4 * middle_edc_4),
-    );
-    let middle_edc_8 = sqrt(middle_edc_7);
-    let middle_edc_9 = 1.0 / middle_edc_8;
-    let middle_edc_10 = middle_edc_9
-        * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3);
-    let middle_edc_11 = mul_sub(
-        0.00015399999999999998,
-        cos_middle_pip,
-        7.200000000000003e-5 * sin_middle_pip,
-    );
-    let middle_edc_12 = sqrt(0.00016999999999999999 - middle_edc_11);
-    let middle_edc_13 = k_extensor
-        * (0.15123287910466324 + middle_edc_8 + middle_edc_12 - rest_middle_edc);
-    let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
-    let middle_interosseous_2 = mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
-    let middle_interosseous_3 = 0.008 * cos_middle_mcp;
->>>>>>> work-a
     let middle_interosseous_4 = neg_mul_add(
         L::splat(0.001),
         sin_middle_mcp,
@@ -5724,36 +3064,19 @@ pub fn evaluate_with_matrix(
         ),
     );
     let middle_interosseous_13 = sqrt(middle_interosseous_12);
-<<<<<<< HEAD
     let middle_interosseous_14 = L::splat(1.0) / middle_interosseous_13;
-    let middle_interosseous_15 = middle_interosseous_5 * middle_interosseous_14;
-    let middle_interosseous_16 = middle_interosseous_8 * middle_interosseous_14;
-    let middle_interosseous_17 = neg_mul_add(
-        middle_interosseous_7,
-        middle_interosseous_15,
-        middle_interosseous_2 * middle_interosseous_16,
-    );
-    let middle_interosseous_18 = (L::splat(0.041720019175451005) + middle_interosseous_13
-        - rest_middle_interosseous) * c_1;
-    let middle_ab_33 = mul_add(
-        middle_interosseous_17,
-        middle_interosseous_18,
-        mul_add(middle_edc_12, middle_edc_15, middle_fdp_12 * middle_fdp_17),
-=======
-    let middle_interosseous_14 = 1.0 / middle_interosseous_13;
     let middle_interosseous_15 = middle_interosseous_14
         * mul_sub(
             middle_interosseous_2,
             middle_interosseous_8,
             middle_interosseous_7 * middle_interosseous_5,
         );
-    let middle_interosseous_16 = k_intrinsic
-        * (0.041720019175451005 + middle_interosseous_13 - rest_middle_interosseous);
+    let middle_interosseous_16 = (L::splat(0.041720019175451005) + middle_interosseous_13
+        - rest_middle_interosseous) * c_1;
     let middle_ab_19 = mul_add(
         middle_interosseous_15,
         middle_interosseous_16,
-        mul_add(middle_fdp_15, middle_fdp_13, middle_edc_10 * middle_edc_13),
->>>>>>> work-a
+        mul_add(middle_edc_10, middle_edc_13, middle_fdp_15 * middle_fdp_13),
     );
     let middle_band_1 = neg_mul_add(
         L::splat(0.005),
@@ -5776,73 +3099,26 @@ pub fn evaluate_with_matrix(
         mul_add(middle_band_3, middle_band_3, middle_band_5 * middle_band_5),
     );
     let middle_band_9 = sqrt(middle_band_8);
-<<<<<<< HEAD
     let middle_band_10 = L::splat(1.0) / middle_band_9;
-    let middle_band_11 = middle_band_3 * middle_band_10;
-    let middle_band_12 = middle_band_5 * middle_band_10;
-    let middle_band_13 = mul_add(
-        middle_band_4,
-        middle_band_11,
-        middle_band_2 * middle_band_12,
-    );
-    let middle_band_14 = mul_sub(
-        L::splat(2.6999999999999985e-5),
-        cos_middle_pip,
-        L::splat(3.600000000000002e-5) * sin_middle_pip,
-    );
-    let middle_band_15 = sqrt(
-        neg_mul_add(L::splat(2.0), middle_band_14, L::splat(9.000000000000003e-5)),
-    );
-    let middle_band_16 = mul_sub(
-        L::splat(3.825e-5),
-        cos_middle_dip,
-        L::splat(2.5999999999999988e-5) * sin_middle_dip,
-    );
-    let middle_band_17 = sqrt(
-        neg_mul_add(L::splat(2.0), middle_band_16, L::splat(9.649999999999999e-5)),
-    );
-    let middle_band_18 = (L::splat(0.09905932921879514) + middle_band_9 + middle_band_15
-        + middle_band_17 - rest_middle_band) * c_1;
-    force[4] = neg_mul_add(
-        v_middle_ab,
-        c_0,
-        mul_sub(middle_band_13, middle_band_18, middle_ab_33),
-    );
-    let middle_mcp_10 = middle_ab_16 + middle_ab_4;
-    let middle_mcp_11 = L::splat(0.00027839876122739363) + middle_mcp_10;
-    let middle_mcp_12 = L::splat(9.81) * cos_middle_mcp;
-    let middle_mcp_13 = middle_ab_28 + middle_ab_23;
-    let middle_mcp_14 = L::splat(9.81) * sin_middle_mcp;
-    let middle_mcp_15 = middle_mcp_13 * middle_mcp_14;
-    let middle_mcp_16 = mul_sub(middle_mcp_11, middle_mcp_12, middle_mcp_15)
-        - mul_add(middle_ab_7, middle_ab_32, middle_ab_12 * middle_ab_22);
-    let middle_fdp_18 = middle_fdp_7 * middle_fdp_9;
-    let middle_fdp_19 = mul_add(
-        middle_fdp_6,
-        middle_fdp_10,
-        middle_fdp_1 * middle_fdp_18,
-=======
-    let middle_band_10 = 1.0 / middle_band_9;
     let middle_band_11 = middle_band_10
         * mul_add(middle_band_2, middle_band_5, middle_band_4 * middle_band_3);
     let middle_band_12 = mul_sub(
-        5.399999999999997e-5,
+        L::splat(5.399999999999997e-5),
         cos_middle_pip,
-        7.200000000000004e-5 * sin_middle_pip,
+        L::splat(7.200000000000004e-5) * sin_middle_pip,
     );
-    let middle_band_13 = sqrt(9.000000000000003e-5 - middle_band_12);
+    let middle_band_13 = sqrt(L::splat(9.000000000000003e-5) - middle_band_12);
     let middle_band_14 = mul_sub(
-        7.65e-5,
+        L::splat(7.65e-5),
         cos_middle_dip,
-        5.1999999999999976e-5 * sin_middle_dip,
+        L::splat(5.1999999999999976e-5) * sin_middle_dip,
     );
-    let middle_band_15 = sqrt(9.649999999999999e-5 - middle_band_14);
-    let middle_band_16 = k_intrinsic
-        * (0.09905932921879514 + middle_band_9 + middle_band_13 + middle_band_15
-            - rest_middle_band);
-    force[coordinate::MIDDLE_AB] = neg_mul_add(
-        damping,
+    let middle_band_15 = sqrt(L::splat(9.649999999999999e-5) - middle_band_14);
+    let middle_band_16 = (L::splat(0.09905932921879514) + middle_band_9 + middle_band_13
+        + middle_band_15 - rest_middle_band) * c_1;
+    force[4] = neg_mul_add(
         v_middle_ab,
+        c_0,
         mul_sub(middle_band_11, middle_band_16, middle_ab_19),
     );
     let middle_mcp_23 = v_middle_ab * middle_mcp_4;
@@ -5853,12 +3129,11 @@ pub fn evaluate_with_matrix(
         middle_mcp_26,
         middle_mcp_23,
         neg_mul_add(middle_mcp_13, middle_mcp_5, middle_mcp_15 * middle_mcp_3),
->>>>>>> work-a
     );
     let middle_mcp_28 = middle_ab_3 * middle_ab_16;
     let middle_mcp_29 = v_middle_ab * v_middle_ab;
     let middle_mcp_30 = mul_add(
-        0.0002514641891260117,
+        L::splat(0.0002514641891260117),
         middle_ab_3,
         neg_mul_add(middle_mcp_28, middle_mcp_29, middle_mcp_27),
     );
@@ -5877,7 +3152,7 @@ pub fn evaluate_with_matrix(
     );
     let middle_mcp_36 = middle_ab_2 * middle_ab_7;
     let middle_mcp_37 = mul_add(
-        0.00151053916868412,
+        L::splat(0.00151053916868412),
         middle_ab_2,
         middle_mcp_30
             + neg_mul_add(middle_mcp_36, middle_mcp_29, middle_mcp_33 + middle_mcp_35),
@@ -5892,7 +3167,7 @@ pub fn evaluate_with_matrix(
     );
     let middle_mcp_42 = cos_middle_mcp * middle_ab_12;
     let middle_mcp_43 = mul_add(
-        0.006565174063910105,
+        L::splat(0.006565174063910105),
         cos_middle_mcp,
         middle_mcp_37 + neg_mul_add(middle_mcp_42, middle_mcp_29, middle_mcp_41),
     );
@@ -5915,69 +3190,29 @@ pub fn evaluate_with_matrix(
             mul_add(middle_fdp_16, middle_fdp_13, middle_mcp_43),
         ),
     );
-<<<<<<< HEAD
-    let middle_band_19 = middle_band_7 * middle_band_10;
-    let middle_band_20 = mul_add(
-        middle_band_6,
-        middle_band_11,
-        middle_band_1 * middle_band_19,
-    );
+    let middle_band_17 = middle_band_10
+        * mul_add(middle_band_6, middle_band_3, middle_band_1 * middle_band_7);
     force[5] = neg_mul_add(
         v_middle_mcp,
         c_0,
-        mul_add(middle_band_20, middle_band_18, middle_mcp_17),
-    );
-    let middle_pip_3 = mul_sub(middle_ab_12, middle_ab_23, middle_ab_7 * middle_ab_4);
-    let middle_pip_4 = mul_sub(middle_ab_12, middle_ab_28, middle_ab_7 * middle_ab_16)
-        + middle_pip_3;
-    let middle_pip_5 = L::splat(0.0446) * middle_ab_12;
-    let middle_pip_6 = neg_mul_add(middle_mcp_2, middle_ab_28, middle_dip_1);
-    let middle_pip_7 = L::splat(0.0446) * v_middle_mcp;
-    let middle_pip_8 = mul_sub(middle_pip_7, middle_pip_6, middle_pip_5 * middle_pip_4)
-        - mul_add(middle_ab_7, middle_ab_31, middle_ab_12 * middle_ab_21);
-    let middle_pip_9 = middle_pip_8
-        + neg_mul_add(
-            L::splat(0.003834082216269373),
-            cos_middle_mcp,
-            mul_sub(middle_mcp_10, middle_mcp_12, middle_mcp_15),
-        );
-    let middle_fdp_20 = L::splat(1.0) / middle_fdp_14;
-    let middle_fdp_21 = middle_fdp_20
-=======
-    let middle_band_17 = middle_band_10
-        * mul_add(middle_band_6, middle_band_3, middle_band_1 * middle_band_7);
-    force[coordinate::MIDDLE_MCP] = neg_mul_add(
-        damping,
-        v_middle_mcp,
         mul_add(middle_band_17, middle_band_16, middle_mcp_44),
     );
-    let middle_fdp_17 = 1.0 / middle_fdp_10;
+    let middle_fdp_17 = L::splat(1.0) / middle_fdp_10;
     let middle_fdp_18 = middle_fdp_17
->>>>>>> work-a
         * mul_add(
             L::splat(4.9505999999999956e-5),
             sin_middle_pip,
             L::splat(0.00018741399999999995) * cos_middle_pip,
         );
-<<<<<<< HEAD
-    let middle_edc_18 = L::splat(1.0) / middle_edc_14;
-    let middle_edc_19 = middle_edc_18
-=======
-    let middle_edc_15 = 1.0 / middle_edc_12;
+    let middle_edc_15 = L::splat(1.0) / middle_edc_12;
     let middle_edc_16 = middle_edc_15
->>>>>>> work-a
         * mul_add(
             L::splat(7.699999999999999e-5),
             sin_middle_pip,
             L::splat(3.6000000000000014e-5) * cos_middle_pip,
         );
-<<<<<<< HEAD
-    let middle_band_21 = L::splat(1.0) / middle_band_15;
-    let middle_band_22 = middle_band_21
-=======
-    let middle_band_18 = 1.0 / middle_band_13;
+    let middle_band_18 = L::splat(1.0) / middle_band_13;
     let middle_band_19 = middle_band_18
->>>>>>> work-a
         * mul_add(
             L::splat(2.6999999999999985e-5),
             sin_middle_pip,
@@ -5992,53 +3227,22 @@ pub fn evaluate_with_matrix(
             mul_add(middle_fdp_18, middle_fdp_13, middle_mcp_37),
         ),
     );
-<<<<<<< HEAD
-    force[6] = neg_mul_add(v_middle_pip, c_0, middle_pip_10);
-    let middle_dip_2 = mul_add(middle_ab_8, middle_ab_7, middle_ab_2 * middle_ab_12);
-    let middle_dip_3 = mul_sub(middle_ab_2, middle_mcp_2, middle_mcp_4);
-    let middle_dip_4 = middle_ab_8 * middle_mcp_2;
-    let middle_dip_5 = neg_mul_add(
-        middle_dip_4,
-        middle_pip_1,
-        mul_sub(middle_dip_3, middle_dip_1, middle_dip_2 * middle_pip_3),
-    );
-    let middle_dip_6 = mul_sub(
-        middle_ab_8,
-        L::splat(0.028903929784599047) * sin_middle_mcp,
-        middle_ab_2 * (L::splat(0.028903929784599047) * cos_middle_mcp),
-    );
-    let middle_dip_7 = middle_dip_5
-        - mul_add(middle_ab_7, middle_ab_27, middle_ab_12 * middle_ab_14)
-        + (neg_mul_add(middle_ab_23, middle_mcp_14, middle_ab_4 * middle_mcp_12)
-            + middle_dip_6);
-    let middle_fdp_22 = L::splat(1.0) / middle_fdp_16;
-    let middle_fdp_23 = middle_fdp_22
-=======
-    force[coordinate::MIDDLE_PIP] = neg_mul_add(damping, v_middle_pip, middle_pip_1);
-    let middle_fdp_19 = 1.0 / middle_fdp_12;
+    force[6] = neg_mul_add(v_middle_pip, c_0, middle_pip_1);
+    let middle_fdp_19 = L::splat(1.0) / middle_fdp_12;
     let middle_fdp_20 = middle_fdp_19
->>>>>>> work-a
         * mul_add(
             L::splat(2.8467600000000052e-6),
             sin_middle_dip,
             L::splat(8.681400000000001e-5) * cos_middle_dip,
         );
-<<<<<<< HEAD
-    let middle_band_23 = L::splat(1.0) / middle_band_17;
-    let middle_band_24 = middle_band_23
+    let middle_band_20 = L::splat(1.0) / middle_band_15;
+    let middle_band_21 = middle_band_20
         * mul_add(
             L::splat(3.825e-5),
             sin_middle_dip,
             L::splat(2.5999999999999988e-5) * cos_middle_dip,
         );
     force[7] = neg_mul_add(
-=======
-    let middle_band_20 = 1.0 / middle_band_15;
-    let middle_band_21 = middle_band_20
-        * mul_add(3.825e-5, sin_middle_dip, 2.5999999999999988e-5 * cos_middle_dip);
-    force[coordinate::MIDDLE_DIP] = neg_mul_add(
-        damping,
->>>>>>> work-a
         v_middle_dip,
         c_0,
         neg_mul_add(
@@ -6064,72 +3268,40 @@ pub fn evaluate_with_matrix(
         cos_ring_ab,
         L::splat(0.012000000000000007) * sin_ring_ab,
     );
-<<<<<<< HEAD
-    let ring_fdp_5 = ring_fdp_4 * ring_fdp_4;
-    let ring_fdp_6 = mul_add(
+    let ring_fdp_5 = mul_add(
         L::splat(0.01),
         cos_ring_mcp,
         L::splat(0.012) * sin_ring_mcp,
     );
-    let ring_fdp_7 = L::splat(0.011) - ring_fdp_6;
-    let ring_fdp_8 = sqrt(
-        mul_add(ring_fdp_7, ring_fdp_7, mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_5)),
-    );
-    let ring_fdp_9 = L::splat(1.0) / ring_fdp_8;
-    let ring_fdp_10 = ring_fdp_3 * ring_fdp_9;
-    let ring_fdp_11 = ring_fdp_4 * ring_fdp_9;
-    let ring_fdp_12 = neg_mul_add(ring_fdp_4, ring_fdp_10, ring_fdp_2 * ring_fdp_11);
-    let ring_fdp_13 = neg_mul_add(
-        L::splat(4.673399999999999e-5),
-        cos_ring_pip,
-        L::splat(0.000185146) * sin_ring_pip,
-    );
-    let ring_fdp_14 = sqrt(
-        neg_mul_add(L::splat(2.0), ring_fdp_13, L::splat(0.00038251043599999996)),
-    );
-    let ring_fdp_15 = neg_mul_add(
-        L::splat(1.571779999999996e-6),
-        cos_ring_dip,
-        L::splat(8.5561e-5) * sin_ring_dip,
-    );
-    let ring_fdp_16 = sqrt(
-        neg_mul_add(L::splat(2.0), ring_fdp_15, L::splat(0.00017344544100000002)),
-    );
-    let ring_fdp_17 = (L::splat(0.1222069424434041) + ring_fdp_8 + ring_fdp_14
-        + ring_fdp_16 - rest_ring_fdp) * c_2;
-    let ring_edc_1 = mul_add(
-        L::splat(0.003),
-        cos_ring_mcp,
-        L::splat(0.0105) * sin_ring_mcp,
-    );
-=======
-    let ring_fdp_5 = mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
-    let ring_fdp_6 = 0.011 - ring_fdp_5;
+    let ring_fdp_6 = L::splat(0.011) - ring_fdp_5;
     let ring_fdp_7 = mul_add(
         ring_fdp_6,
         ring_fdp_6,
         mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_4 * ring_fdp_4),
     );
     let ring_fdp_8 = sqrt(ring_fdp_7);
-    let ring_fdp_9 = 1.0 / ring_fdp_8;
+    let ring_fdp_9 = L::splat(1.0) / ring_fdp_8;
     let ring_fdp_10 = ring_fdp_9
         * mul_sub(ring_fdp_2, ring_fdp_4, ring_fdp_4 * ring_fdp_3);
     let ring_fdp_11 = neg_mul_add(
-        9.346799999999998e-5,
+        L::splat(9.346799999999998e-5),
         cos_ring_pip,
-        0.000370292 * sin_ring_pip,
+        L::splat(0.000370292) * sin_ring_pip,
     );
-    let ring_fdp_12 = sqrt(0.00038251043599999996 - ring_fdp_11);
+    let ring_fdp_12 = sqrt(L::splat(0.00038251043599999996) - ring_fdp_11);
     let ring_fdp_13 = neg_mul_add(
-        3.143559999999992e-6,
+        L::splat(3.143559999999992e-6),
         cos_ring_dip,
-        0.000171122 * sin_ring_dip,
+        L::splat(0.000171122) * sin_ring_dip,
     );
-    let ring_fdp_14 = sqrt(0.00017344544100000002 - ring_fdp_13);
-    let ring_fdp_15 = k_flexor
-        * (0.1222069424434041 + ring_fdp_8 + ring_fdp_12 + ring_fdp_14 - rest_ring_fdp);
-    let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
->>>>>>> work-a
+    let ring_fdp_14 = sqrt(L::splat(0.00017344544100000002) - ring_fdp_13);
+    let ring_fdp_15 = (L::splat(0.1222069424434041) + ring_fdp_8 + ring_fdp_12
+        + ring_fdp_14 - rest_ring_fdp) * c_3;
+    let ring_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_ring_mcp,
+        L::splat(0.0105) * sin_ring_mcp,
+    );
     let ring_edc_2 = mul_add(
         L::splat(0.003000000000000002),
         cos_ring_ab,
@@ -6141,60 +3313,35 @@ pub fn evaluate_with_matrix(
         cos_ring_ab,
         L::splat(0.003000000000000002) * sin_ring_ab,
     );
-<<<<<<< HEAD
-    let ring_edc_5 = ring_edc_4 * ring_edc_4;
-    let ring_edc_6 = mul_sub(
+    let ring_edc_5 = mul_sub(
         L::splat(0.0105),
         cos_ring_mcp,
         L::splat(0.003) * sin_ring_mcp,
     );
-    let ring_edc_7 = L::splat(-0.011) + ring_edc_6;
-    let ring_edc_8 = sqrt(
-        mul_add(ring_edc_7, ring_edc_7, mul_add(ring_edc_3, ring_edc_3, ring_edc_5)),
-    );
-    let ring_edc_9 = L::splat(1.0) / ring_edc_8;
-    let ring_edc_10 = ring_edc_3 * ring_edc_9;
-    let ring_edc_11 = ring_edc_4 * ring_edc_9;
-    let ring_edc_12 = neg_mul_add(ring_edc_4, ring_edc_10, ring_edc_2 * ring_edc_11);
-    let ring_edc_13 = mul_sub(
-        L::splat(7.699999999999999e-5),
-        cos_ring_pip,
-        L::splat(3.6000000000000014e-5) * sin_ring_pip,
-    );
-    let ring_edc_14 = sqrt(
-        neg_mul_add(L::splat(2.0), ring_edc_13, L::splat(0.00016999999999999999)),
-    );
-    let ring_edc_15 = (L::splat(0.14143565528020308) + ring_edc_8 + ring_edc_14
-        - rest_ring_edc) * c_3;
-    let ring_interosseous_1 = L::splat(0.008) * cos_ring_mcp;
-    let ring_interosseous_2 = neg_mul_add(
-        L::splat(0.001),
-        sin_ring_mcp,
-        ring_interosseous_1,
-    );
-=======
-    let ring_edc_5 = mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
-    let ring_edc_6 = -0.011 + ring_edc_5;
+    let ring_edc_6 = L::splat(-0.011) + ring_edc_5;
     let ring_edc_7 = mul_add(
         ring_edc_6,
         ring_edc_6,
         mul_add(ring_edc_3, ring_edc_3, ring_edc_4 * ring_edc_4),
     );
     let ring_edc_8 = sqrt(ring_edc_7);
-    let ring_edc_9 = 1.0 / ring_edc_8;
+    let ring_edc_9 = L::splat(1.0) / ring_edc_8;
     let ring_edc_10 = ring_edc_9
         * mul_sub(ring_edc_2, ring_edc_4, ring_edc_4 * ring_edc_3);
     let ring_edc_11 = mul_sub(
-        0.00015399999999999998,
+        L::splat(0.00015399999999999998),
         cos_ring_pip,
-        7.200000000000003e-5 * sin_ring_pip,
+        L::splat(7.200000000000003e-5) * sin_ring_pip,
     );
-    let ring_edc_12 = sqrt(0.00016999999999999999 - ring_edc_11);
-    let ring_edc_13 = k_extensor
-        * (0.14143565528020308 + ring_edc_8 + ring_edc_12 - rest_ring_edc);
-    let ring_interosseous_1 = 0.008 * cos_ring_mcp;
-    let ring_interosseous_2 = neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
->>>>>>> work-a
+    let ring_edc_12 = sqrt(L::splat(0.00016999999999999999) - ring_edc_11);
+    let ring_edc_13 = (L::splat(0.14143565528020308) + ring_edc_8 + ring_edc_12
+        - rest_ring_edc) * c_2;
+    let ring_interosseous_1 = L::splat(0.008) * cos_ring_mcp;
+    let ring_interosseous_2 = neg_mul_add(
+        L::splat(0.001),
+        sin_ring_mcp,
+        ring_interosseous_1,
+    );
     let ring_interosseous_3 = mul_add(
         L::splat(0.008),
         cos_ring_ab,
@@ -6224,36 +3371,19 @@ pub fn evaluate_with_matrix(
         ),
     );
     let ring_interosseous_11 = sqrt(ring_interosseous_10);
-<<<<<<< HEAD
     let ring_interosseous_12 = L::splat(1.0) / ring_interosseous_11;
-    let ring_interosseous_13 = ring_interosseous_4 * ring_interosseous_12;
-    let ring_interosseous_14 = ring_interosseous_6 * ring_interosseous_12;
-    let ring_interosseous_15 = mul_add(
-        ring_interosseous_5,
-        ring_interosseous_13,
-        ring_interosseous_3 * ring_interosseous_14,
-    );
-    let ring_interosseous_16 = (L::splat(0.03514256678161116) + ring_interosseous_11
-        - rest_ring_interosseous) * c_1;
-    let ring_ab_33 = mul_sub(
-        ring_interosseous_15,
-        ring_interosseous_16,
-        mul_add(ring_fdp_12, ring_fdp_17, ring_edc_12 * ring_edc_15),
-=======
-    let ring_interosseous_12 = 1.0 / ring_interosseous_11;
     let ring_interosseous_13 = ring_interosseous_12
         * mul_add(
             ring_interosseous_3,
             ring_interosseous_6,
             ring_interosseous_5 * ring_interosseous_4,
         );
-    let ring_interosseous_14 = k_intrinsic
-        * (0.03514256678161116 + ring_interosseous_11 - rest_ring_interosseous);
+    let ring_interosseous_14 = (L::splat(0.03514256678161116) + ring_interosseous_11
+        - rest_ring_interosseous) * c_1;
     let ring_ab_19 = mul_sub(
         ring_interosseous_13,
         ring_interosseous_14,
-        mul_add(ring_fdp_10, ring_fdp_15, ring_edc_10 * ring_edc_13),
->>>>>>> work-a
+        mul_add(ring_edc_10, ring_edc_13, ring_fdp_10 * ring_fdp_15),
     );
     let ring_band_1 = neg_mul_add(
         L::splat(0.007999999999999998),
@@ -6276,75 +3406,26 @@ pub fn evaluate_with_matrix(
         mul_add(ring_band_3, ring_band_3, ring_band_5 * ring_band_5),
     );
     let ring_band_9 = sqrt(ring_band_8);
-<<<<<<< HEAD
     let ring_band_10 = L::splat(1.0) / ring_band_9;
-    let ring_band_11 = ring_band_3 * ring_band_10;
-    let ring_band_12 = ring_band_5 * ring_band_10;
-    let ring_band_13 = neg_mul_add(
-        ring_band_4,
-        ring_band_11,
-        ring_band_1 * ring_band_12,
-    );
-    let ring_band_14 = mul_sub(
-        L::splat(2.6999999999999985e-5),
-        cos_ring_pip,
-        L::splat(3.600000000000002e-5) * sin_ring_pip,
-    );
-    let ring_band_15 = sqrt(
-        neg_mul_add(L::splat(2.0), ring_band_14, L::splat(9.000000000000003e-5)),
-    );
-    let ring_band_16 = mul_sub(
-        L::splat(3.8249999999999995e-5),
-        cos_ring_dip,
-        L::splat(2.600000000000001e-5) * sin_ring_dip,
-    );
-    let ring_band_17 = sqrt(neg_mul_add(L::splat(2.0), ring_band_16, L::splat(9.65e-5)));
-    let ring_band_18 = (L::splat(0.08891202891001955) + ring_band_9 + ring_band_15
-        + ring_band_17 - rest_ring_band) * c_1;
-    force[8] = neg_mul_add(
-        v_ring_ab,
-        c_0,
-        neg_mul_add(ring_band_13, ring_band_18, ring_ab_33),
-    );
-    let ring_mcp_10 = ring_ab_16 + ring_ab_4;
-    let ring_mcp_11 = L::splat(0.00023988233263955822) + ring_mcp_10;
-    let ring_mcp_12 = L::splat(9.81) * cos_ring_mcp;
-    let ring_mcp_13 = ring_ab_28 + ring_ab_23;
-    let ring_mcp_14 = L::splat(9.81) * sin_ring_mcp;
-    let ring_mcp_15 = ring_mcp_13 * ring_mcp_14;
-    let ring_mcp_16 = mul_sub(ring_mcp_11, ring_mcp_12, ring_mcp_15)
-        - mul_add(ring_ab_7, ring_ab_32, ring_ab_12 * ring_ab_22);
-    let ring_fdp_18 = ring_fdp_7 * ring_fdp_9;
-    let ring_fdp_19 = mul_add(ring_fdp_6, ring_fdp_10, ring_fdp_1 * ring_fdp_18);
-    let ring_edc_16 = ring_edc_7 * ring_edc_9;
-    let ring_edc_17 = mul_sub(ring_edc_6, ring_edc_10, ring_edc_1 * ring_edc_16);
-    let ring_interosseous_17 = ring_interosseous_9 * ring_interosseous_12;
-    let ring_interosseous_18 = mul_add(
-        ring_interosseous_8,
-        ring_interosseous_13,
-        ring_interosseous_2 * ring_interosseous_17,
-=======
-    let ring_band_10 = 1.0 / ring_band_9;
     let ring_band_11 = ring_band_10
         * mul_sub(ring_band_1, ring_band_5, ring_band_4 * ring_band_3);
     let ring_band_12 = mul_sub(
-        5.399999999999997e-5,
+        L::splat(5.399999999999997e-5),
         cos_ring_pip,
-        7.200000000000004e-5 * sin_ring_pip,
+        L::splat(7.200000000000004e-5) * sin_ring_pip,
     );
-    let ring_band_13 = sqrt(9.000000000000003e-5 - ring_band_12);
+    let ring_band_13 = sqrt(L::splat(9.000000000000003e-5) - ring_band_12);
     let ring_band_14 = mul_sub(
-        7.649999999999999e-5,
+        L::splat(7.649999999999999e-5),
         cos_ring_dip,
-        5.200000000000002e-5 * sin_ring_dip,
+        L::splat(5.200000000000002e-5) * sin_ring_dip,
     );
-    let ring_band_15 = sqrt(9.65e-5 - ring_band_14);
-    let ring_band_16 = k_intrinsic
-        * (0.08891202891001955 + ring_band_9 + ring_band_13 + ring_band_15
-            - rest_ring_band);
-    force[coordinate::RING_AB] = neg_mul_add(
-        damping,
+    let ring_band_15 = sqrt(L::splat(9.65e-5) - ring_band_14);
+    let ring_band_16 = (L::splat(0.08891202891001955) + ring_band_9 + ring_band_13
+        + ring_band_15 - rest_ring_band) * c_1;
+    force[8] = neg_mul_add(
         v_ring_ab,
+        c_0,
         neg_mul_add(ring_band_11, ring_band_16, ring_ab_19),
     );
     let ring_mcp_23 = v_ring_ab * ring_mcp_4;
@@ -6355,12 +3436,11 @@ pub fn evaluate_with_matrix(
         ring_mcp_26,
         ring_mcp_23,
         neg_mul_add(ring_mcp_13, ring_mcp_5, ring_mcp_15 * ring_mcp_3),
->>>>>>> work-a
     );
     let ring_mcp_28 = ring_ab_3 * ring_ab_16;
     let ring_mcp_29 = v_ring_ab * v_ring_ab;
     let ring_mcp_30 = mul_add(
-        0.0002485821018745014,
+        L::splat(0.0002485821018745014),
         ring_ab_3,
         neg_mul_add(ring_mcp_28, ring_mcp_29, ring_mcp_27),
     );
@@ -6379,7 +3459,7 @@ pub fn evaluate_with_matrix(
     );
     let ring_mcp_36 = ring_ab_2 * ring_ab_7;
     let ring_mcp_37 = mul_add(
-        0.0014550809823185,
+        L::splat(0.0014550809823185),
         ring_ab_2,
         ring_mcp_30 + neg_mul_add(ring_mcp_36, ring_mcp_29, ring_mcp_33 + ring_mcp_35),
     );
@@ -6393,7 +3473,7 @@ pub fn evaluate_with_matrix(
     );
     let ring_mcp_42 = cos_ring_mcp * ring_ab_12;
     let ring_mcp_43 = mul_add(
-        0.005851465320196041,
+        L::splat(0.005851465320196041),
         cos_ring_mcp,
         ring_mcp_37 + neg_mul_add(ring_mcp_42, ring_mcp_29, ring_mcp_41),
     );
@@ -6416,63 +3496,29 @@ pub fn evaluate_with_matrix(
             mul_add(ring_fdp_16, ring_fdp_15, ring_mcp_43),
         ),
     );
-<<<<<<< HEAD
-    let ring_band_19 = ring_band_7 * ring_band_10;
-    let ring_band_20 = mul_add(ring_band_6, ring_band_11, ring_band_2 * ring_band_19);
+    let ring_band_17 = ring_band_10
+        * mul_add(ring_band_6, ring_band_3, ring_band_2 * ring_band_7);
     force[9] = neg_mul_add(
         v_ring_mcp,
         c_0,
-        mul_add(ring_band_20, ring_band_18, ring_mcp_17),
+        mul_add(ring_band_17, ring_band_16, ring_mcp_44),
     );
-    let ring_pip_3 = mul_sub(ring_ab_12, ring_ab_23, ring_ab_7 * ring_ab_4);
-    let ring_pip_4 = mul_sub(ring_ab_12, ring_ab_28, ring_ab_7 * ring_ab_16)
-        + ring_pip_3;
-    let ring_pip_5 = L::splat(0.0414) * ring_ab_12;
-    let ring_pip_6 = neg_mul_add(ring_mcp_2, ring_ab_28, ring_dip_1);
-    let ring_pip_7 = L::splat(0.0414) * v_ring_mcp;
-    let ring_pip_8 = mul_sub(ring_pip_7, ring_pip_6, ring_pip_5 * ring_pip_4)
-        - mul_add(ring_ab_7, ring_ab_31, ring_ab_12 * ring_ab_21);
-    let ring_pip_9 = ring_pip_8
-        + neg_mul_add(
-            L::splat(0.0034982196370019745),
-            cos_ring_mcp,
-            mul_sub(ring_mcp_10, ring_mcp_12, ring_mcp_15),
-        );
-    let ring_fdp_20 = L::splat(1.0) / ring_fdp_14;
-    let ring_fdp_21 = ring_fdp_20
+    let ring_fdp_17 = L::splat(1.0) / ring_fdp_12;
+    let ring_fdp_18 = ring_fdp_17
         * mul_add(
             L::splat(4.673399999999999e-5),
             sin_ring_pip,
             L::splat(0.000185146) * cos_ring_pip,
         );
-    let ring_edc_18 = L::splat(1.0) / ring_edc_14;
-    let ring_edc_19 = ring_edc_18
-=======
-    let ring_band_17 = ring_band_10
-        * mul_add(ring_band_6, ring_band_3, ring_band_2 * ring_band_7);
-    force[coordinate::RING_MCP] = neg_mul_add(
-        damping,
-        v_ring_mcp,
-        mul_add(ring_band_17, ring_band_16, ring_mcp_44),
-    );
-    let ring_fdp_17 = 1.0 / ring_fdp_12;
-    let ring_fdp_18 = ring_fdp_17
-        * mul_add(4.673399999999999e-5, sin_ring_pip, 0.000185146 * cos_ring_pip);
-    let ring_edc_15 = 1.0 / ring_edc_12;
+    let ring_edc_15 = L::splat(1.0) / ring_edc_12;
     let ring_edc_16 = ring_edc_15
->>>>>>> work-a
         * mul_add(
             L::splat(7.699999999999999e-5),
             sin_ring_pip,
             L::splat(3.6000000000000014e-5) * cos_ring_pip,
         );
-<<<<<<< HEAD
-    let ring_band_21 = L::splat(1.0) / ring_band_15;
-    let ring_band_22 = ring_band_21
-=======
-    let ring_band_18 = 1.0 / ring_band_13;
+    let ring_band_18 = L::splat(1.0) / ring_band_13;
     let ring_band_19 = ring_band_18
->>>>>>> work-a
         * mul_add(
             L::splat(2.6999999999999985e-5),
             sin_ring_pip,
@@ -6487,40 +3533,16 @@ pub fn evaluate_with_matrix(
             mul_add(ring_fdp_18, ring_fdp_15, ring_mcp_37),
         ),
     );
-<<<<<<< HEAD
-    force[10] = neg_mul_add(v_ring_pip, c_0, ring_pip_10);
-    let ring_dip_2 = mul_add(ring_ab_8, ring_ab_7, ring_ab_2 * ring_ab_12);
-    let ring_dip_3 = mul_sub(ring_ab_2, ring_mcp_2, ring_mcp_4);
-    let ring_dip_4 = ring_ab_8 * ring_mcp_2;
-    let ring_dip_5 = neg_mul_add(
-        ring_dip_4,
-        ring_pip_1,
-        mul_sub(ring_dip_3, ring_dip_1, ring_dip_2 * ring_pip_3),
-    );
-    let ring_dip_6 = mul_sub(
-        ring_ab_8,
-        L::splat(0.0287378152456071) * sin_ring_mcp,
-        ring_ab_2 * (L::splat(0.0287378152456071) * cos_ring_mcp),
-    );
-    let ring_dip_7 = ring_dip_5 - mul_add(ring_ab_7, ring_ab_27, ring_ab_12 * ring_ab_14)
-        + (neg_mul_add(ring_ab_23, ring_mcp_14, ring_ab_4 * ring_mcp_12) + ring_dip_6);
-    let ring_fdp_22 = L::splat(1.0) / ring_fdp_16;
-    let ring_fdp_23 = ring_fdp_22
+    force[10] = neg_mul_add(v_ring_pip, c_0, ring_pip_1);
+    let ring_fdp_19 = L::splat(1.0) / ring_fdp_14;
+    let ring_fdp_20 = ring_fdp_19
         * mul_add(
             L::splat(1.571779999999996e-6),
             sin_ring_dip,
             L::splat(8.5561e-5) * cos_ring_dip,
         );
-    let ring_band_23 = L::splat(1.0) / ring_band_17;
-    let ring_band_24 = ring_band_23
-=======
-    force[coordinate::RING_PIP] = neg_mul_add(damping, v_ring_pip, ring_pip_1);
-    let ring_fdp_19 = 1.0 / ring_fdp_14;
-    let ring_fdp_20 = ring_fdp_19
-        * mul_add(1.571779999999996e-6, sin_ring_dip, 8.5561e-5 * cos_ring_dip);
-    let ring_band_20 = 1.0 / ring_band_15;
+    let ring_band_20 = L::splat(1.0) / ring_band_15;
     let ring_band_21 = ring_band_20
->>>>>>> work-a
         * mul_add(
             L::splat(3.8249999999999995e-5),
             sin_ring_dip,
@@ -6552,81 +3574,40 @@ pub fn evaluate_with_matrix(
         cos_little_ab,
         L::splat(0.012) * sin_little_ab,
     );
-<<<<<<< HEAD
-    let little_fdp_5 = little_fdp_4 * little_fdp_4;
-    let little_fdp_6 = mul_add(
+    let little_fdp_5 = mul_add(
         L::splat(0.01),
         cos_little_mcp,
         L::splat(0.012) * sin_little_mcp,
     );
-    let little_fdp_7 = L::splat(0.011) - little_fdp_6;
-    let little_fdp_8 = sqrt(
-        mul_add(
-            little_fdp_7,
-            little_fdp_7,
-            mul_add(little_fdp_3, little_fdp_3, little_fdp_5),
-        ),
-    );
-    let little_fdp_9 = L::splat(1.0) / little_fdp_8;
-    let little_fdp_10 = little_fdp_3 * little_fdp_9;
-    let little_fdp_11 = little_fdp_4 * little_fdp_9;
-    let little_fdp_12 = mul_add(
-        little_fdp_4,
-        little_fdp_10,
-        little_fdp_1 * little_fdp_11,
-    );
-    let little_fdp_13 = neg_mul_add(
-        L::splat(1.1621999999999991e-5),
-        cos_little_pip,
-        L::splat(0.000156418) * sin_little_pip,
-    );
-    let little_fdp_14 = sqrt(
-        neg_mul_add(L::splat(2.0), little_fdp_13, L::splat(0.000323790404)),
-    );
-    let little_fdp_15 = mul_add(
-        L::splat(1.3619199999999997e-5),
-        cos_little_dip,
-        L::splat(6.9608e-5) * sin_little_dip,
-    );
-    let little_fdp_16 = sqrt(
-        neg_mul_add(L::splat(2.0), little_fdp_15, L::splat(0.00014204462400000002)),
-    );
-    let little_fdp_17 = (L::splat(0.1069781758046222) + little_fdp_8 + little_fdp_14
-        + little_fdp_16 - rest_little_fdp) * c_2;
-    let little_edc_1 = mul_add(
-        L::splat(0.003),
-        cos_little_mcp,
-        L::splat(0.0105) * sin_little_mcp,
-    );
-=======
-    let little_fdp_5 = mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
-    let little_fdp_6 = 0.011 - little_fdp_5;
+    let little_fdp_6 = L::splat(0.011) - little_fdp_5;
     let little_fdp_7 = mul_add(
         little_fdp_6,
         little_fdp_6,
         mul_add(little_fdp_3, little_fdp_3, little_fdp_4 * little_fdp_4),
     );
     let little_fdp_8 = sqrt(little_fdp_7);
-    let little_fdp_9 = 1.0 / little_fdp_8;
+    let little_fdp_9 = L::splat(1.0) / little_fdp_8;
     let little_fdp_10 = little_fdp_9
         * mul_add(little_fdp_1, little_fdp_4, little_fdp_4 * little_fdp_3);
     let little_fdp_11 = neg_mul_add(
-        2.3243999999999983e-5,
+        L::splat(2.3243999999999983e-5),
         cos_little_pip,
-        0.000312836 * sin_little_pip,
+        L::splat(0.000312836) * sin_little_pip,
     );
-    let little_fdp_12 = sqrt(0.000323790404 - little_fdp_11);
+    let little_fdp_12 = sqrt(L::splat(0.000323790404) - little_fdp_11);
     let little_fdp_13 = mul_add(
-        2.7238399999999993e-5,
+        L::splat(2.7238399999999993e-5),
         cos_little_dip,
-        0.000139216 * sin_little_dip,
+        L::splat(0.000139216) * sin_little_dip,
     );
-    let little_fdp_14 = sqrt(0.00014204462400000002 - little_fdp_13);
-    let little_fdp_15 = k_flexor
-        * (0.1069781758046222 + little_fdp_8 + little_fdp_12 + little_fdp_14
-            - rest_little_fdp);
-    let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
->>>>>>> work-a
+    let little_fdp_14 = sqrt(L::splat(0.00014204462400000002) - little_fdp_13);
+    let little_fdp_15 = (L::splat(0.1069781758046222) + little_fdp_8 + little_fdp_12
+        + little_fdp_14 - rest_little_fdp) * c_3;
+    let little_edc_1 = mul_add(
+        L::splat(0.003),
+        cos_little_mcp,
+        L::splat(0.0105) * sin_little_mcp,
+    );
     let little_edc_2 = mul_add(
         L::splat(0.003000000000000003),
         cos_little_ab,
@@ -6638,62 +3619,30 @@ pub fn evaluate_with_matrix(
         cos_little_ab,
         L::splat(0.003000000000000003) * sin_little_ab,
     );
-<<<<<<< HEAD
-    let little_edc_5 = little_edc_4 * little_edc_4;
-    let little_edc_6 = mul_sub(
+    let little_edc_5 = mul_sub(
         L::splat(0.0105),
         cos_little_mcp,
         L::splat(0.003) * sin_little_mcp,
     );
-    let little_edc_7 = L::splat(-0.011) + little_edc_6;
-    let little_edc_8 = sqrt(
-        mul_add(
-            little_edc_7,
-            little_edc_7,
-            mul_add(little_edc_3, little_edc_3, little_edc_5),
-        ),
-    );
-    let little_edc_9 = L::splat(1.0) / little_edc_8;
-    let little_edc_10 = little_edc_3 * little_edc_9;
-    let little_edc_11 = little_edc_4 * little_edc_9;
-    let little_edc_12 = neg_mul_add(
-        little_edc_4,
-        little_edc_10,
-        little_edc_2 * little_edc_11,
-    );
-    let little_edc_13 = mul_sub(
-        L::splat(7.699999999999999e-5),
-        cos_little_pip,
-        L::splat(3.6000000000000014e-5) * sin_little_pip,
-    );
-    let little_edc_14 = sqrt(
-        neg_mul_add(L::splat(2.0), little_edc_13, L::splat(0.00016999999999999999)),
-    );
-    let little_edc_15 = (L::splat(0.12844554910897665) + little_edc_8 + little_edc_14
-        - rest_little_edc) * c_3;
-    let little_interosseous_1 = L::splat(0.008) * cos_little_mcp;
-=======
-    let little_edc_5 = mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
-    let little_edc_6 = -0.011 + little_edc_5;
+    let little_edc_6 = L::splat(-0.011) + little_edc_5;
     let little_edc_7 = mul_add(
         little_edc_6,
         little_edc_6,
         mul_add(little_edc_3, little_edc_3, little_edc_4 * little_edc_4),
     );
     let little_edc_8 = sqrt(little_edc_7);
-    let little_edc_9 = 1.0 / little_edc_8;
+    let little_edc_9 = L::splat(1.0) / little_edc_8;
     let little_edc_10 = little_edc_9
         * mul_sub(little_edc_2, little_edc_4, little_edc_4 * little_edc_3);
     let little_edc_11 = mul_sub(
-        0.00015399999999999998,
+        L::splat(0.00015399999999999998),
         cos_little_pip,
-        7.200000000000003e-5 * sin_little_pip,
+        L::splat(7.200000000000003e-5) * sin_little_pip,
     );
-    let little_edc_12 = sqrt(0.00016999999999999999 - little_edc_11);
-    let little_edc_13 = k_extensor
-        * (0.12844554910897665 + little_edc_8 + little_edc_12 - rest_little_edc);
-    let little_interosseous_1 = 0.008 * cos_little_mcp;
->>>>>>> work-a
+    let little_edc_12 = sqrt(L::splat(0.00016999999999999999) - little_edc_11);
+    let little_edc_13 = (L::splat(0.12844554910897665) + little_edc_8 + little_edc_12
+        - rest_little_edc) * c_2;
+    let little_interosseous_1 = L::splat(0.008) * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
         L::splat(0.001),
         sin_little_mcp,
@@ -6728,36 +3677,19 @@ pub fn evaluate_with_matrix(
         ),
     );
     let little_interosseous_11 = sqrt(little_interosseous_10);
-<<<<<<< HEAD
     let little_interosseous_12 = L::splat(1.0) / little_interosseous_11;
-    let little_interosseous_13 = little_interosseous_4 * little_interosseous_12;
-    let little_interosseous_14 = little_interosseous_6 * little_interosseous_12;
-    let little_interosseous_15 = mul_add(
-        little_interosseous_5,
-        little_interosseous_13,
-        little_interosseous_3 * little_interosseous_14,
-    );
-    let little_interosseous_16 = (L::splat(0.03086243671520445) + little_interosseous_11
-        - rest_little_interosseous) * c_1;
-    let little_ab_33 = mul_add(
-        little_interosseous_15,
-        little_interosseous_16,
-        neg_mul_add(little_edc_12, little_edc_15, little_fdp_12 * little_fdp_17),
-=======
-    let little_interosseous_12 = 1.0 / little_interosseous_11;
     let little_interosseous_13 = little_interosseous_12
         * mul_add(
             little_interosseous_3,
             little_interosseous_6,
             little_interosseous_5 * little_interosseous_4,
         );
-    let little_interosseous_14 = k_intrinsic
-        * (0.03086243671520445 + little_interosseous_11 - rest_little_interosseous);
+    let little_interosseous_14 = (L::splat(0.03086243671520445) + little_interosseous_11
+        - rest_little_interosseous) * c_1;
     let little_ab_19 = mul_add(
         little_interosseous_13,
         little_interosseous_14,
-        mul_sub(little_fdp_10, little_fdp_15, little_edc_10 * little_edc_13),
->>>>>>> work-a
+        neg_mul_add(little_edc_10, little_edc_13, little_fdp_10 * little_fdp_15),
     );
     let little_band_1 = neg_mul_add(
         L::splat(0.007999999999999998),
@@ -6784,73 +3716,26 @@ pub fn evaluate_with_matrix(
         mul_add(little_band_3, little_band_3, little_band_5 * little_band_5),
     );
     let little_band_9 = sqrt(little_band_8);
-<<<<<<< HEAD
     let little_band_10 = L::splat(1.0) / little_band_9;
-    let little_band_11 = little_band_3 * little_band_10;
-    let little_band_12 = little_band_5 * little_band_10;
-    let little_band_13 = neg_mul_add(
-        little_band_4,
-        little_band_11,
-        little_band_1 * little_band_12,
-    );
-    let little_band_14 = mul_sub(
-        L::splat(2.7e-5),
-        cos_little_pip,
-        L::splat(3.5999999999999994e-5) * sin_little_pip,
-    );
-    let little_band_15 = sqrt(
-        neg_mul_add(L::splat(2.0), little_band_14, L::splat(8.999999999999998e-5)),
-    );
-    let little_band_16 = mul_sub(
-        L::splat(3.825e-5),
-        cos_little_dip,
-        L::splat(2.5999999999999988e-5) * sin_little_dip,
-    );
-    let little_band_17 = sqrt(
-        neg_mul_add(L::splat(2.0), little_band_16, L::splat(9.649999999999999e-5)),
-    );
-    let little_band_18 = (L::splat(0.06932376200206641) + little_band_9 + little_band_15
-        + little_band_17 - rest_little_band) * c_1;
-    force[12] = neg_mul_add(
-        v_little_ab,
-        c_0,
-        neg_mul_add(little_band_13, little_band_18, little_ab_33),
-    );
-    let little_mcp_10 = little_ab_16 + little_ab_4;
-    let little_mcp_11 = L::splat(0.00014965563926121566) + little_mcp_10;
-    let little_mcp_12 = L::splat(9.81) * cos_little_mcp;
-    let little_mcp_13 = little_ab_28 + little_ab_23;
-    let little_mcp_14 = L::splat(9.81) * sin_little_mcp;
-    let little_mcp_15 = little_mcp_13 * little_mcp_14;
-    let little_mcp_16 = mul_sub(little_mcp_11, little_mcp_12, little_mcp_15)
-        - mul_add(little_ab_7, little_ab_32, little_ab_12 * little_ab_22);
-    let little_fdp_18 = little_fdp_7 * little_fdp_9;
-    let little_fdp_19 = mul_add(
-        little_fdp_6,
-        little_fdp_10,
-        little_fdp_2 * little_fdp_18,
-=======
-    let little_band_10 = 1.0 / little_band_9;
     let little_band_11 = little_band_10
         * mul_sub(little_band_1, little_band_5, little_band_4 * little_band_3);
     let little_band_12 = mul_sub(
-        5.4e-5,
+        L::splat(5.4e-5),
         cos_little_pip,
-        7.199999999999999e-5 * sin_little_pip,
+        L::splat(7.199999999999999e-5) * sin_little_pip,
     );
-    let little_band_13 = sqrt(8.999999999999998e-5 - little_band_12);
+    let little_band_13 = sqrt(L::splat(8.999999999999998e-5) - little_band_12);
     let little_band_14 = mul_sub(
-        7.65e-5,
+        L::splat(7.65e-5),
         cos_little_dip,
-        5.1999999999999976e-5 * sin_little_dip,
+        L::splat(5.1999999999999976e-5) * sin_little_dip,
     );
-    let little_band_15 = sqrt(9.649999999999999e-5 - little_band_14);
-    let little_band_16 = k_intrinsic
-        * (0.06932376200206641 + little_band_9 + little_band_13 + little_band_15
-            - rest_little_band);
-    force[coordinate::LITTLE_AB] = neg_mul_add(
-        damping,
+    let little_band_15 = sqrt(L::splat(9.649999999999999e-5) - little_band_14);
+    let little_band_16 = (L::splat(0.06932376200206641) + little_band_9 + little_band_13
+        + little_band_15 - rest_little_band) * c_1;
+    force[12] = neg_mul_add(
         v_little_ab,
+        c_0,
         neg_mul_add(little_band_11, little_band_16, little_ab_19),
     );
     let little_mcp_23 = v_little_ab * little_mcp_4;
@@ -6861,12 +3746,11 @@ pub fn evaluate_with_matrix(
         little_mcp_26,
         little_mcp_23,
         neg_mul_add(little_mcp_13, little_mcp_5, little_mcp_15 * little_mcp_3),
->>>>>>> work-a
     );
     let little_mcp_28 = little_ab_3 * little_ab_16;
     let little_mcp_29 = v_little_ab * v_little_ab;
     let little_mcp_30 = mul_add(
-        0.00021262660990969417,
+        L::splat(0.00021262660990969417),
         little_ab_3,
         neg_mul_add(little_mcp_28, little_mcp_29, little_mcp_27),
     );
@@ -6885,7 +3769,7 @@ pub fn evaluate_with_matrix(
     );
     let little_mcp_36 = little_ab_2 * little_ab_7;
     let little_mcp_37 = mul_add(
-        0.0008364687440661672,
+        L::splat(0.0008364687440661672),
         little_ab_2,
         little_mcp_30
             + neg_mul_add(little_mcp_36, little_mcp_29, little_mcp_33 + little_mcp_35),
@@ -6900,7 +3784,7 @@ pub fn evaluate_with_matrix(
     );
     let little_mcp_42 = cos_little_mcp * little_ab_12;
     let little_mcp_43 = mul_add(
-        0.0036213893300487137,
+        L::splat(0.0036213893300487137),
         cos_little_mcp,
         little_mcp_37 + neg_mul_add(little_mcp_42, little_mcp_29, little_mcp_41),
     );
@@ -6923,130 +3807,59 @@ pub fn evaluate_with_matrix(
             mul_add(little_fdp_16, little_fdp_15, little_mcp_43),
         ),
     );
-<<<<<<< HEAD
-    let little_band_19 = little_band_7 * little_band_10;
-    let little_band_20 = mul_add(
-        little_band_6,
-        little_band_11,
-        little_band_2 * little_band_19,
-    );
+    let little_band_17 = little_band_10
+        * mul_add(little_band_6, little_band_3, little_band_2 * little_band_7);
     force[13] = neg_mul_add(
         v_little_mcp,
         c_0,
-        mul_add(little_band_20, little_band_18, little_mcp_17),
+        mul_add(little_band_17, little_band_16, little_mcp_44),
     );
-    let little_pip_3 = mul_sub(little_ab_12, little_ab_23, little_ab_7 * little_ab_4);
-    let little_pip_4 = mul_sub(little_ab_12, little_ab_28, little_ab_7 * little_ab_16)
-        + little_pip_3;
-    let little_pip_5 = L::splat(0.0327) * little_ab_12;
-    let little_pip_6 = neg_mul_add(little_mcp_2, little_ab_28, little_dip_1);
-    let little_pip_7 = L::splat(0.0327) * v_little_mcp;
-    let little_pip_8 = mul_sub(little_pip_7, little_pip_6, little_pip_5 * little_pip_4)
-        - mul_add(little_ab_7, little_ab_31, little_ab_12 * little_ab_21);
-    let little_pip_9 = little_pip_8
-        + neg_mul_add(
-            L::splat(0.0021532675088961877),
-            cos_little_mcp,
-            mul_sub(little_mcp_10, little_mcp_12, little_mcp_15),
-        );
-    let little_fdp_20 = L::splat(1.0) / little_fdp_14;
-    let little_fdp_21 = little_fdp_20
+    let little_fdp_17 = L::splat(1.0) / little_fdp_12;
+    let little_fdp_18 = little_fdp_17
         * mul_add(
             L::splat(1.1621999999999991e-5),
             sin_little_pip,
             L::splat(0.000156418) * cos_little_pip,
         );
-    let little_edc_18 = L::splat(1.0) / little_edc_14;
-    let little_edc_19 = little_edc_18
-=======
-    let little_band_17 = little_band_10
-        * mul_add(little_band_6, little_band_3, little_band_2 * little_band_7);
-    force[coordinate::LITTLE_MCP] = neg_mul_add(
-        damping,
-        v_little_mcp,
-        mul_add(little_band_17, little_band_16, little_mcp_44),
-    );
-    let little_fdp_17 = 1.0 / little_fdp_12;
-    let little_fdp_18 = little_fdp_17
-        * mul_add(1.1621999999999991e-5, sin_little_pip, 0.000156418 * cos_little_pip);
-    let little_edc_15 = 1.0 / little_edc_12;
+    let little_edc_15 = L::splat(1.0) / little_edc_12;
     let little_edc_16 = little_edc_15
->>>>>>> work-a
         * mul_add(
             L::splat(7.699999999999999e-5),
             sin_little_pip,
             L::splat(3.6000000000000014e-5) * cos_little_pip,
         );
-<<<<<<< HEAD
-    let little_band_21 = L::splat(1.0) / little_band_15;
-    let little_band_22 = little_band_21
+    let little_band_18 = L::splat(1.0) / little_band_13;
+    let little_band_19 = little_band_18
         * mul_add(
             L::splat(2.7e-5),
             sin_little_pip,
             L::splat(3.5999999999999994e-5) * cos_little_pip,
         );
-    let little_pip_10 = neg_mul_add(
-        little_band_22,
-        little_band_18,
-=======
-    let little_band_18 = 1.0 / little_band_13;
-    let little_band_19 = little_band_18
-        * mul_add(2.7e-5, sin_little_pip, 3.5999999999999994e-5 * cos_little_pip);
     let little_pip_1 = neg_mul_add(
         little_band_19,
         little_band_16,
->>>>>>> work-a
         neg_mul_add(
             little_edc_16,
             little_edc_13,
             mul_add(little_fdp_18, little_fdp_15, little_mcp_37),
         ),
     );
-<<<<<<< HEAD
-    force[14] = neg_mul_add(v_little_pip, c_0, little_pip_10);
-    let little_dip_2 = mul_add(little_ab_8, little_ab_7, little_ab_2 * little_ab_12);
-    let little_dip_3 = mul_sub(little_ab_2, little_mcp_2, little_mcp_4);
-    let little_dip_4 = little_ab_8 * little_mcp_2;
-    let little_dip_5 = neg_mul_add(
-        little_dip_4,
-        little_pip_1,
-        mul_sub(little_dip_3, little_dip_1, little_dip_2 * little_pip_3),
-    );
-    let little_dip_6 = mul_sub(
-        little_ab_8,
-        L::splat(0.026578326238711772) * sin_little_mcp,
-        little_ab_2 * (L::splat(0.026578326238711772) * cos_little_mcp),
-    );
-    let little_dip_7 = little_dip_5
-        - mul_add(little_ab_7, little_ab_27, little_ab_12 * little_ab_14)
-        + (neg_mul_add(little_ab_23, little_mcp_14, little_ab_4 * little_mcp_12)
-            + little_dip_6);
-    let little_fdp_22 = L::splat(1.0) / little_fdp_16;
-    let little_fdp_23 = little_fdp_22
+    force[14] = neg_mul_add(v_little_pip, c_0, little_pip_1);
+    let little_fdp_19 = L::splat(1.0) / little_fdp_14;
+    let little_fdp_20 = little_fdp_19
         * mul_sub(
             L::splat(1.3619199999999997e-5),
             sin_little_dip,
             L::splat(6.9608e-5) * cos_little_dip,
         );
-    let little_band_23 = L::splat(1.0) / little_band_17;
-    let little_band_24 = little_band_23
+    let little_band_20 = L::splat(1.0) / little_band_15;
+    let little_band_21 = little_band_20
         * mul_add(
             L::splat(3.825e-5),
             sin_little_dip,
             L::splat(2.5999999999999988e-5) * cos_little_dip,
         );
     force[15] = neg_mul_add(
-=======
-    force[coordinate::LITTLE_PIP] = neg_mul_add(damping, v_little_pip, little_pip_1);
-    let little_fdp_19 = 1.0 / little_fdp_14;
-    let little_fdp_20 = little_fdp_19
-        * mul_sub(1.3619199999999997e-5, sin_little_dip, 6.9608e-5 * cos_little_dip);
-    let little_band_20 = 1.0 / little_band_15;
-    let little_band_21 = little_band_20
-        * mul_add(3.825e-5, sin_little_dip, 2.5999999999999988e-5 * cos_little_dip);
-    force[coordinate::LITTLE_DIP] = neg_mul_add(
-        damping,
->>>>>>> work-a
         v_little_dip,
         c_0,
         neg_mul_add(
@@ -7059,25 +3872,16 @@ pub fn evaluate_with_matrix(
     let thumb_fpl_2 = L::splat(0.012) * cos_thumb_cmc;
     let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-<<<<<<< HEAD
     let thumb_fpl_4 = mul_add(
-        L::splat(0.008000000000000004),
+        L::splat(0.008000000000000002),
         cos_thumb_ab,
-        L::splat(0.0029999999999999996) * sin_thumb_ab,
+        L::splat(0.003) * sin_thumb_ab,
     );
     let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
     let thumb_fpl_6 = neg_mul_add(
-        L::splat(0.0029999999999999996),
+        L::splat(0.003),
         cos_thumb_ab,
-        L::splat(0.008000000000000004) * sin_thumb_ab,
-=======
-    let thumb_fpl_4 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab);
-    let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
-    let thumb_fpl_6 = neg_mul_add(
-        0.003,
-        cos_thumb_ab,
-        0.008000000000000002 * sin_thumb_ab,
->>>>>>> work-a
+        L::splat(0.008000000000000002) * sin_thumb_ab,
     );
     let thumb_fpl_7 = L::splat(-0.002) - thumb_fpl_6;
     let thumb_fpl_8 = thumb_fpl_2 + thumb_fpl_1;
@@ -7088,345 +3892,152 @@ pub fn evaluate_with_matrix(
         mul_add(thumb_fpl_5, thumb_fpl_5, thumb_fpl_7 * thumb_fpl_7),
     );
     let thumb_fpl_11 = sqrt(thumb_fpl_10);
-<<<<<<< HEAD
     let thumb_fpl_12 = L::splat(1.0) / thumb_fpl_11;
-    let thumb_fpl_13 = thumb_fpl_5 * thumb_fpl_12;
-    let thumb_fpl_14 = thumb_fpl_7 * thumb_fpl_12;
-    let thumb_fpl_15 = mul_add(thumb_fpl_6, thumb_fpl_13, thumb_fpl_4 * thumb_fpl_14);
-    work[41] = thumb_fpl_15;
-    let thumb_fpl_16 = mul_add(
-        L::splat(9.999999999999972e-6),
+    let thumb_fpl_13 = thumb_fpl_12
+        * mul_add(thumb_fpl_4, thumb_fpl_7, thumb_fpl_6 * thumb_fpl_5);
+    let thumb_fpl_14 = mul_add(
+        L::splat(1.9999999999999944e-5),
         cos_thumb_mcp,
-        L::splat(0.00021) * sin_thumb_mcp,
+        L::splat(0.00042) * sin_thumb_mcp,
     );
-    work[51] = thumb_fpl_16;
-    let thumb_fpl_17 = sqrt(
-        neg_mul_add(L::splat(2.0), thumb_fpl_16, L::splat(0.00042100000000000004)),
-    );
-    let thumb_fpl_18 = neg_mul_add(
-        L::splat(4.799999999999981e-6),
+    let thumb_fpl_15 = sqrt(L::splat(0.00042100000000000004) - thumb_fpl_14);
+    let thumb_fpl_16 = neg_mul_add(
+        L::splat(9.599999999999962e-6),
         cos_thumb_ip,
-        L::splat(0.00014879999999999998) * sin_thumb_ip,
+        L::splat(0.00029759999999999997) * sin_thumb_ip,
     );
-    work[71] = thumb_fpl_18;
-    let thumb_fpl_19 = sqrt(
-        neg_mul_add(L::splat(2.0), thumb_fpl_18, L::splat(0.00030115999999999997)),
-    );
-    let thumb_fpl_20 = (L::splat(0.0774786774042295) + thumb_fpl_11 + thumb_fpl_17
-        + thumb_fpl_19 - rest_thumb_fpl) * c_2;
-    let thumb_ab_33 = thumb_ab_16 + thumb_ab_4;
-    work[6] = thumb_ab_33;
-    let thumb_ab_34 = L::splat(0.00044625375511580167) + thumb_ab_33;
-    let thumb_ab_35 = L::splat(9.81)
+    let thumb_fpl_17 = sqrt(L::splat(0.00030115999999999997) - thumb_fpl_16);
+    let thumb_fpl_18 = (L::splat(0.0774786774042295) + thumb_fpl_11 + thumb_fpl_15
+        + thumb_fpl_17 - rest_thumb_fpl) * c_3;
+    let thumb_ab_19 = L::splat(0.001231392781101626) * cos_thumb_cmc;
+    let thumb_ab_20 = thumb_ab_4 + (thumb_ab_19 + thumb_ab_9);
+    let thumb_ab_21 = L::splat(9.81)
         * mul_sub(
             L::splat(0.19866933079506122),
             sin_thumb_ab,
             L::splat(0.8246975884333746) * cos_thumb_ab,
         );
-    let thumb_ab_36 = thumb_ab_28 + thumb_ab_23;
-    work[12] = thumb_ab_36;
-    let thumb_ab_37 = thumb_ab_36 * thumb_ab_35;
-    let thumb_ab_38 = mul_add(
-        thumb_fpl_15,
-        thumb_fpl_20,
-        mul_sub(sin_thumb_cmc, thumb_ab_37, cos_thumb_cmc * (thumb_ab_34 * thumb_ab_35)),
-    );
     let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = mul_add(
-        L::splat(0.004),
-        cos_thumb_ab,
-        L::splat(0.008) * sin_thumb_ab,
-    );
-    let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
-    let thumb_epl_4 = neg_mul_add(
-        L::splat(0.008),
-        cos_thumb_ab,
-        L::splat(0.004) * sin_thumb_ab,
-    );
-    let thumb_epl_5 = L::splat(-0.008) - thumb_epl_4;
-    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_7 = L::splat(-0.012000000000000004) + thumb_epl_6;
-    let thumb_epl_8 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
-        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
-    );
-    let thumb_epl_9 = sqrt(thumb_epl_8);
-    let thumb_epl_10 = L::splat(1.0) / thumb_epl_9;
-    let thumb_epl_11 = thumb_epl_3 * thumb_epl_10;
-    let thumb_epl_12 = thumb_epl_5 * thumb_epl_10;
-    let thumb_epl_13 = mul_add(thumb_epl_4, thumb_epl_11, thumb_epl_2 * thumb_epl_12);
-    work[40] = thumb_epl_13;
-    let thumb_epl_14 = mul_sub(
-        L::splat(0.00011549999999999999),
-        cos_thumb_mcp,
-        L::splat(5.17e-5) * sin_thumb_mcp,
-    );
-    work[55] = thumb_epl_14;
-    let thumb_epl_15 = sqrt(
-        neg_mul_add(L::splat(2.0), thumb_epl_14, L::splat(0.00025309000000000003)),
-    );
-    let thumb_epl_16 = mul_sub(
-        L::splat(9.475e-5),
-        cos_thumb_ip,
-        L::splat(4.6000000000000014e-5) * sin_thumb_ip,
-    );
-    work[74] = thumb_epl_16;
-    let thumb_epl_17 = sqrt(
-        neg_mul_add(L::splat(2.0), thumb_epl_16, L::splat(0.00021066000000000002)),
-    );
-    let thumb_epl_18 = (L::splat(0.10924140044546013) + thumb_epl_9 + thumb_epl_15
-        + thumb_epl_17 - rest_thumb_epl) * c_3;
-    let thumb_epb_1 = neg_mul_add(
-        L::splat(0.003999999999999999),
-        cos_thumb_ab,
-        L::splat(0.005000000000000001) * sin_thumb_ab,
-=======
-    let thumb_fpl_12 = 1.0 / thumb_fpl_11;
-    let thumb_fpl_13 = thumb_fpl_12
-        * mul_add(thumb_fpl_4, thumb_fpl_7, thumb_fpl_6 * thumb_fpl_5);
-    let thumb_fpl_14 = mul_add(
-        1.9999999999999944e-5,
-        cos_thumb_mcp,
-        0.00042 * sin_thumb_mcp,
-    );
-    let thumb_fpl_15 = sqrt(0.00042100000000000004 - thumb_fpl_14);
-    let thumb_fpl_16 = neg_mul_add(
-        9.599999999999962e-6,
-        cos_thumb_ip,
-        0.00029759999999999997 * sin_thumb_ip,
-    );
-    let thumb_fpl_17 = sqrt(0.00030115999999999997 - thumb_fpl_16);
-    let thumb_fpl_18 = k_flexor
-        * (0.0774786774042295 + thumb_fpl_11 + thumb_fpl_15 + thumb_fpl_17
-            - rest_thumb_fpl);
-    let thumb_ab_19 = 0.001231392781101626 * cos_thumb_cmc;
-    let thumb_ab_20 = thumb_ab_4 + (thumb_ab_19 + thumb_ab_9);
-    let thumb_ab_21 = 9.81
-        * mul_sub(0.19866933079506122, sin_thumb_ab, 0.8246975884333746 * cos_thumb_ab);
-    let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = 0.004 * cos_thumb_ab;
-    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2);
+    let thumb_epl_2 = L::splat(0.004) * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(L::splat(0.008), sin_thumb_ab, thumb_epl_2);
     let thumb_epl_4 = thumb_epl_3 + thumb_epl_1;
-    let thumb_epl_5 = 0.004 * sin_thumb_ab;
-    let thumb_epl_6 = neg_mul_add(0.008, cos_thumb_ab, thumb_epl_5);
-    let thumb_epl_7 = -0.008 - thumb_epl_6;
-    let thumb_epl_8 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_9 = -0.012 + thumb_epl_8;
+    let thumb_epl_5 = L::splat(0.004) * sin_thumb_ab;
+    let thumb_epl_6 = neg_mul_add(L::splat(0.008), cos_thumb_ab, thumb_epl_5);
+    let thumb_epl_7 = L::splat(-0.008) - thumb_epl_6;
+    let thumb_epl_8 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_9 = L::splat(-0.012) + thumb_epl_8;
     let thumb_epl_10 = mul_add(
         thumb_epl_9,
         thumb_epl_9,
         mul_add(thumb_epl_4, thumb_epl_4, thumb_epl_7 * thumb_epl_7),
     );
     let thumb_epl_11 = sqrt(thumb_epl_10);
-    let thumb_epl_12 = 1.0 / thumb_epl_11;
+    let thumb_epl_12 = L::splat(1.0) / thumb_epl_11;
     let thumb_epl_13 = thumb_epl_12
         * mul_add(thumb_epl_3, thumb_epl_7, thumb_epl_6 * thumb_epl_4);
     let thumb_epl_14 = mul_sub(
-        0.00023099999999999998,
+        L::splat(0.00023099999999999998),
         cos_thumb_mcp,
-        0.0001034 * sin_thumb_mcp,
+        L::splat(0.0001034) * sin_thumb_mcp,
     );
-    let thumb_epl_15 = sqrt(0.00025309000000000003 - thumb_epl_14);
+    let thumb_epl_15 = sqrt(L::splat(0.00025309000000000003) - thumb_epl_14);
     let thumb_epl_16 = mul_sub(
-        0.0001895,
+        L::splat(0.0001895),
         cos_thumb_ip,
-        9.200000000000003e-5 * sin_thumb_ip,
+        L::splat(9.200000000000003e-5) * sin_thumb_ip,
     );
-    let thumb_epl_17 = sqrt(0.00021066000000000002 - thumb_epl_16);
-    let thumb_epl_18 = k_extensor
-        * (0.10924140044546013 + thumb_epl_11 + thumb_epl_15 + thumb_epl_17
-            - rest_thumb_epl);
+    let thumb_epl_17 = sqrt(L::splat(0.00021066000000000002) - thumb_epl_16);
+    let thumb_epl_18 = (L::splat(0.10924140044546013) + thumb_epl_11 + thumb_epl_15
+        + thumb_epl_17 - rest_thumb_epl) * c_2;
     let thumb_ab_22 = mul_add(
         thumb_epl_13,
         thumb_epl_18,
-        mul_sub(thumb_fpl_13, thumb_fpl_18, thumb_ab_21 * thumb_ab_20),
->>>>>>> work-a
+        neg_mul_add(thumb_ab_21, thumb_ab_20, thumb_fpl_13 * thumb_fpl_18),
     );
-    let thumb_epb_1 = mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
+    let thumb_epb_1 = mul_sub(L::splat(0.005000000000000003), sin_thumb_ab, thumb_epl_2);
     let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
-<<<<<<< HEAD
-    let thumb_epb_3 = mul_add(
-        L::splat(0.005000000000000001),
-        cos_thumb_ab,
-        L::splat(0.003999999999999999) * sin_thumb_ab,
-    );
+    let thumb_epb_3 = mul_add(L::splat(0.005000000000000003), cos_thumb_ab, thumb_epl_5);
     let thumb_epb_4 = L::splat(0.005) - thumb_epb_3;
-    let thumb_epb_5 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
-        mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
-    );
-    let thumb_epb_6 = sqrt(thumb_epb_5);
-    let thumb_epb_7 = L::splat(1.0) / thumb_epb_6;
-    let thumb_epb_8 = thumb_epb_2 * thumb_epb_7;
-    let thumb_epb_9 = thumb_epb_4 * thumb_epb_7;
-    let thumb_epb_10 = neg_mul_add(thumb_epb_3, thumb_epb_8, thumb_epb_1 * thumb_epb_9);
-    work[46] = thumb_epb_10;
-    let thumb_epb_11 = (thumb_epl_15 + (L::splat(0.07536380062479958) + thumb_epb_6)
-        - rest_thumb_epb) * c_1;
-=======
-    let thumb_epb_3 = mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_5);
-    let thumb_epb_4 = 0.005 - thumb_epb_3;
-    let thumb_epb_5 = -0.012000000000000004 + thumb_epl_8;
+    let thumb_epb_5 = L::splat(-0.012000000000000004) + thumb_epl_8;
     let thumb_epb_6 = mul_add(
         thumb_epb_5,
         thumb_epb_5,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
     let thumb_epb_7 = sqrt(thumb_epb_6);
-    let thumb_epb_8 = 1.0 / thumb_epb_7;
+    let thumb_epb_8 = L::splat(1.0) / thumb_epb_7;
     let thumb_epb_9 = thumb_epb_8
         * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2);
-    let thumb_epb_10 = k_intrinsic
-        * (thumb_epl_15 + (0.07536380062479958 + thumb_epb_7) - rest_thumb_epb);
->>>>>>> work-a
+    let thumb_epb_10 = (thumb_epl_15 + (L::splat(0.07536380062479958) + thumb_epb_7)
+        - rest_thumb_epb) * c_1;
     let thumb_apl_1 = neg_mul_add(
         L::splat(0.007000000000000001),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.012000000000000004) * sin_thumb_ab,
-=======
-        0.012000000000000002 * sin_thumb_ab,
->>>>>>> work-a
+        L::splat(0.012000000000000002) * sin_thumb_ab,
     );
     let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-<<<<<<< HEAD
-        L::splat(0.012000000000000004),
-=======
-        0.012000000000000002,
->>>>>>> work-a
+        L::splat(0.012000000000000002),
         cos_thumb_ab,
         L::splat(0.007000000000000001) * sin_thumb_ab,
     );
-<<<<<<< HEAD
     let thumb_apl_6 = L::splat(0.012) - thumb_apl_5;
     let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
-=======
-    let thumb_apl_6 = 0.012 - thumb_apl_5;
-    let thumb_apl_7 = 0.006 * sin_thumb_cmc;
-    let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = -0.005000000000000003 + thumb_apl_8;
->>>>>>> work-a
+    let thumb_apl_9 = L::splat(-0.005000000000000003) + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
     let thumb_apl_11 = sqrt(thumb_apl_10);
-<<<<<<< HEAD
     let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
-    let thumb_apl_13 = thumb_apl_4 * thumb_apl_12;
-    let thumb_apl_14 = thumb_apl_6 * thumb_apl_12;
-    let thumb_apl_15 = neg_mul_add(
-        thumb_apl_5,
-        thumb_apl_13,
-        thumb_apl_1 * thumb_apl_14,
-    );
-    let thumb_apl_16 = (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl)
-        * c_1;
-    let thumb_ab_39 = neg_mul_add(
-        thumb_apl_15,
-        thumb_apl_16,
-        neg_mul_add(
-            thumb_epb_10,
-            thumb_epb_11,
-            mul_add(thumb_epl_13, thumb_epl_18, thumb_ab_38),
-        ),
-    );
-=======
-    let thumb_apl_12 = 1.0 / thumb_apl_11;
     let thumb_apl_13 = thumb_apl_12
         * mul_sub(thumb_apl_1, thumb_apl_6, thumb_apl_5 * thumb_apl_4);
-    let thumb_apl_14 = k_intrinsic
-        * (0.030550892117392127 + thumb_apl_11 - rest_thumb_apl);
->>>>>>> work-a
+    let thumb_apl_14 = (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl)
+        * c_1;
     let thumb_apb_1 = neg_mul_add(
         L::splat(0.00874910502142235),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.003271760106466037) * sin_thumb_ab,
+        L::splat(0.003271760106466038) * sin_thumb_ab,
     );
     let thumb_apb_2 = mul_sub(
         L::splat(0.03),
         cos_thumb_cmc,
         L::splat(0.007) * sin_thumb_cmc,
-=======
-        0.003271760106466038 * sin_thumb_ab,
->>>>>>> work-a
     );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-<<<<<<< HEAD
-        L::splat(0.003271760106466037),
-=======
-        0.003271760106466038,
->>>>>>> work-a
+        L::splat(0.003271760106466038),
         cos_thumb_ab,
         L::splat(0.00874910502142235) * sin_thumb_ab,
     );
-<<<<<<< HEAD
     let thumb_apb_5 = L::splat(0.009) - thumb_apb_4;
     let thumb_apb_6 = mul_add(
         L::splat(0.007),
         cos_thumb_cmc,
         L::splat(0.03) * sin_thumb_cmc,
     );
-    let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
-=======
-    let thumb_apb_5 = 0.009 - thumb_apb_4;
-    let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
-    let thumb_apb_7 = 0.013294688681193689 - thumb_apb_6;
->>>>>>> work-a
+    let thumb_apb_7 = L::splat(0.013294688681193689) - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
         mul_add(thumb_apb_3, thumb_apb_3, thumb_apb_5 * thumb_apb_5),
     );
     let thumb_apb_9 = sqrt(thumb_apb_8);
-<<<<<<< HEAD
     let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
-    let thumb_apb_11 = thumb_apb_3 * thumb_apb_10;
-    let thumb_apb_12 = thumb_apb_5 * thumb_apb_10;
-    let thumb_apb_13 = neg_mul_add(
-        thumb_apb_4,
-        thumb_apb_11,
-        thumb_apb_1 * thumb_apb_12,
-    );
-    work[45] = thumb_apb_13;
-    let thumb_apb_14 = neg_mul_add(
-        L::splat(2.9599999999999994e-5),
-        cos_thumb_mcp,
-        L::splat(9.72e-5) * sin_thumb_mcp,
-    );
-    work[59] = thumb_apb_14;
-    let thumb_apb_15 = sqrt(
-        neg_mul_add(L::splat(2.0), thumb_apb_14, L::splat(0.00020423999999999998)),
-    );
-    let thumb_apb_16 = (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_15
-        - rest_thumb_apb) * c_1;
-    let thumb_opp_1 = mul_sub(
-        L::splat(0.028),
-        cos_thumb_cmc,
-        L::splat(0.01) * sin_thumb_cmc,
-    );
-=======
-    let thumb_apb_10 = 1.0 / thumb_apb_9;
     let thumb_apb_11 = thumb_apb_10
         * mul_sub(thumb_apb_1, thumb_apb_5, thumb_apb_4 * thumb_apb_3);
     let thumb_apb_12 = neg_mul_add(
-        5.919999999999999e-5,
+        L::splat(5.919999999999999e-5),
         cos_thumb_mcp,
-        0.0001944 * sin_thumb_mcp,
+        L::splat(0.0001944) * sin_thumb_mcp,
     );
-    let thumb_apb_13 = sqrt(0.00020423999999999998 - thumb_apb_12);
-    let thumb_apb_14 = k_intrinsic
-        * (0.008062257748298557 + thumb_apb_9 + thumb_apb_13 - rest_thumb_apb);
+    let thumb_apb_13 = sqrt(L::splat(0.00020423999999999998) - thumb_apb_12);
+    let thumb_apb_14 = (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_13
+        - rest_thumb_apb) * c_1;
     let thumb_ab_23 = neg_mul_add(
         thumb_apb_11,
         thumb_apb_14,
@@ -7436,24 +4047,19 @@ pub fn evaluate_with_matrix(
             neg_mul_add(thumb_epb_9, thumb_epb_10, thumb_ab_22),
         ),
     );
-    let thumb_opp_1 = mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
->>>>>>> work-a
+    let thumb_opp_1 = mul_sub(
+        L::splat(0.028),
+        cos_thumb_cmc,
+        L::splat(0.01) * sin_thumb_cmc,
+    );
     let thumb_opp_2 = mul_add(
         L::splat(0.009538977305795334),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.00046527292621430325) * sin_thumb_ab,
+        L::splat(0.0004652729262143015) * sin_thumb_ab,
     );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        L::splat(0.00046527292621430325),
-=======
-        0.0004652729262143015 * sin_thumb_ab,
-    );
-    let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
-    let thumb_opp_4 = neg_mul_add(
-        0.0004652729262143015,
->>>>>>> work-a
+        L::splat(0.0004652729262143015),
         cos_thumb_ab,
         L::splat(0.009538977305795334) * sin_thumb_ab,
     );
@@ -7470,23 +4076,14 @@ pub fn evaluate_with_matrix(
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
     let thumb_opp_9 = sqrt(thumb_opp_8);
-<<<<<<< HEAD
     let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
-    let thumb_opp_11 = thumb_opp_3 * thumb_opp_10;
-    let thumb_opp_12 = thumb_opp_5 * thumb_opp_10;
-    let thumb_opp_13 = mul_add(thumb_opp_4, thumb_opp_11, thumb_opp_2 * thumb_opp_12);
-    let thumb_opp_14 = (thumb_opp_9 - rest_thumb_opp) * c_1;
-=======
-    let thumb_opp_10 = 1.0 / thumb_opp_9;
     let thumb_opp_11 = thumb_opp_10
         * mul_add(thumb_opp_2, thumb_opp_5, thumb_opp_4 * thumb_opp_3);
-    let thumb_opp_12 = k_intrinsic * (thumb_opp_9 - rest_thumb_opp);
->>>>>>> work-a
+    let thumb_opp_12 = (thumb_opp_9 - rest_thumb_opp) * c_1;
     let thumb_adp_1 = mul_sub(
         L::splat(0.025486067515228545),
         cos_thumb_ab,
-<<<<<<< HEAD
-        L::splat(0.029821276684971594) * sin_thumb_ab,
+        L::splat(0.029821276684971587) * sin_thumb_ab,
     );
     let thumb_adp_2 = mul_sub(
         L::splat(0.038000000000000006),
@@ -7495,113 +4092,36 @@ pub fn evaluate_with_matrix(
     );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-        L::splat(0.029821276684971594),
-=======
-        0.029821276684971587 * sin_thumb_ab,
-    );
-    let thumb_adp_2 = mul_sub(0.038000000000000006, cos_thumb_cmc, thumb_apl_7);
-    let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
-    let thumb_adp_4 = mul_add(
-        0.029821276684971587,
->>>>>>> work-a
+        L::splat(0.029821276684971587),
         cos_thumb_ab,
         L::splat(0.025486067515228545) * sin_thumb_ab,
     );
-<<<<<<< HEAD
     let thumb_adp_5 = L::splat(-0.009) + thumb_adp_4;
     let thumb_adp_6 = mul_add(
         L::splat(0.038000000000000006),
         sin_thumb_cmc,
         thumb_apl_2,
     );
-    let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
-=======
-    let thumb_adp_5 = -0.009 + thumb_adp_4;
-    let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
-    let thumb_adp_7 = 0.040658969729785124 - thumb_adp_6;
->>>>>>> work-a
+    let thumb_adp_7 = L::splat(0.040658969729785124) - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
     let thumb_adp_9 = sqrt(thumb_adp_8);
-<<<<<<< HEAD
     let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
-    let thumb_adp_11 = thumb_adp_3 * thumb_adp_10;
-    let thumb_adp_12 = thumb_adp_5 * thumb_adp_10;
-    let thumb_adp_13 = mul_add(thumb_adp_4, thumb_adp_11, thumb_adp_1 * thumb_adp_12);
-    work[44] = thumb_adp_13;
-    let thumb_adp_14 = neg_mul_add(
-        L::splat(3.56e-5),
-        cos_thumb_mcp,
-        L::splat(8.9e-5) * sin_thumb_mcp,
-    );
-    work[64] = thumb_adp_14;
-    let thumb_adp_15 = sqrt(
-        neg_mul_add(L::splat(2.0), thumb_adp_14, L::splat(0.00019224000000000004)),
-    );
-    let thumb_adp_16 = (thumb_adp_9 + thumb_adp_15 - rest_thumb_adp) * c_1;
-    let thumb_ab_40 = neg_mul_add(
-        thumb_adp_13,
-        thumb_adp_16,
-        mul_add(
-            thumb_opp_13,
-            thumb_opp_14,
-            neg_mul_add(thumb_apb_13, thumb_apb_16, thumb_ab_39),
-        ),
-    );
-    force[16] = neg_mul_add(v_thumb_ab, c_0, thumb_ab_40);
-    let thumb_cmc_10 = mul_add(
-        L::splat(0.19866933079506122),
-        cos_thumb_ab * sin_thumb_cmc,
-        L::splat(0.8246975884333746) * (sin_thumb_ab * sin_thumb_cmc),
-    );
-    let thumb_cmc_11 = mul_sub(
-        L::splat(0.5295322319119196),
-        cos_thumb_cmc,
-        thumb_cmc_10,
-    );
-    let thumb_cmc_12 = L::splat(9.81) * thumb_cmc_11;
-    work[32] = thumb_cmc_12;
-    let thumb_cmc_13 = mul_add(
-        L::splat(0.19866933079506122),
-        cos_thumb_ab * cos_thumb_cmc,
-        L::splat(0.8246975884333746) * (sin_thumb_ab * cos_thumb_cmc),
-    );
-    let thumb_cmc_14 = mul_add(
-        L::splat(0.5295322319119196),
-        sin_thumb_cmc,
-        thumb_cmc_13,
-    );
-    let thumb_cmc_15 = L::splat(9.81) * thumb_cmc_14;
-    work[8] = thumb_cmc_15;
-    let thumb_cmc_16 = thumb_ab_36 * thumb_cmc_15;
-    let thumb_cmc_17 = mul_sub(thumb_ab_34, thumb_cmc_12, thumb_cmc_16)
-        - mul_add(thumb_ab_7, thumb_ab_32, thumb_ab_12 * thumb_ab_22);
-    let thumb_fpl_21 = thumb_fpl_9 * thumb_fpl_12;
-    let thumb_fpl_22 = mul_add(thumb_fpl_8, thumb_fpl_13, thumb_fpl_3 * thumb_fpl_21);
-    work[16] = thumb_fpl_22;
-    let thumb_epl_19 = thumb_epl_7 * thumb_epl_10;
-    let thumb_epl_20 = mul_sub(thumb_epl_6, thumb_epl_11, thumb_epl_1 * thumb_epl_19);
-    work[14] = thumb_epl_20;
-    let thumb_epb_12 = thumb_epl_7 * thumb_epb_7;
-    let thumb_epb_13 = mul_sub(thumb_epl_6, thumb_epb_8, thumb_epl_1 * thumb_epb_12);
-    work[22] = thumb_epb_13;
-    let thumb_cmc_18 = neg_mul_add(
-        thumb_epb_13,
-        thumb_epb_11,
-=======
-    let thumb_adp_10 = 1.0 / thumb_adp_9;
     let thumb_adp_11 = thumb_adp_10
         * mul_add(thumb_adp_1, thumb_adp_5, thumb_adp_4 * thumb_adp_3);
-    let thumb_adp_12 = neg_mul_add(7.12e-5, cos_thumb_mcp, 0.000178 * sin_thumb_mcp);
-    let thumb_adp_13 = sqrt(0.00019224000000000004 - thumb_adp_12);
-    let thumb_adp_14 = k_intrinsic * (thumb_adp_9 + thumb_adp_13 - rest_thumb_adp);
-    force[coordinate::THUMB_AB] = neg_mul_add(
-        damping,
+    let thumb_adp_12 = neg_mul_add(
+        L::splat(7.12e-5),
+        cos_thumb_mcp,
+        L::splat(0.000178) * sin_thumb_mcp,
+    );
+    let thumb_adp_13 = sqrt(L::splat(0.00019224000000000004) - thumb_adp_12);
+    let thumb_adp_14 = (thumb_adp_9 + thumb_adp_13 - rest_thumb_adp) * c_1;
+    force[16] = neg_mul_add(
         v_thumb_ab,
->>>>>>> work-a
+        c_0,
         neg_mul_add(
             thumb_adp_11,
             thumb_adp_14,
@@ -7619,10 +4139,18 @@ pub fn evaluate_with_matrix(
     );
     let thumb_cmc_28 = thumb_ab_3 * thumb_ab_16;
     let thumb_cmc_29 = v_thumb_ab * v_thumb_ab;
-    let thumb_cmc_30 = 9.81
-        * mul_add(0.19866933079506122, cos_thumb_ab, 0.8246975884333746 * sin_thumb_ab);
+    let thumb_cmc_30 = L::splat(9.81)
+        * mul_add(
+            L::splat(0.19866933079506122),
+            cos_thumb_ab,
+            L::splat(0.8246975884333746) * sin_thumb_ab,
+        );
     let thumb_cmc_31 = neg_mul_add(thumb_cmc_28, thumb_cmc_29, thumb_cmc_27)
-        + neg_mul_add(thumb_cmc_30, thumb_cmc_4, 0.00034235640421260765 * thumb_ab_3);
+        + neg_mul_add(
+            thumb_cmc_30,
+            thumb_cmc_4,
+            L::splat(0.00034235640421260765) * thumb_ab_3,
+        );
     let thumb_cmc_32 = v_thumb_ab * thumb_ab_4;
     let thumb_cmc_33 = v_thumb_ab * thumb_cmc_6;
     let thumb_cmc_34 = neg_mul_add(
@@ -7639,7 +4167,11 @@ pub fn evaluate_with_matrix(
     let thumb_cmc_37 = thumb_ab_2 * thumb_ab_7;
     let thumb_cmc_38 = thumb_cmc_31
         + neg_mul_add(thumb_cmc_37, thumb_cmc_29, thumb_cmc_34 + thumb_cmc_36)
-        + neg_mul_add(thumb_cmc_30, thumb_cmc_8, 0.0018933824477241439 * thumb_ab_2);
+        + neg_mul_add(
+            thumb_cmc_30,
+            thumb_cmc_8,
+            L::splat(0.0018933824477241439) * thumb_ab_2,
+        );
     let thumb_cmc_39 = v_thumb_ab * thumb_ab_9;
     let thumb_cmc_40 = thumb_cmc_39 + thumb_cmc_32;
     let thumb_cmc_41 = v_thumb_ab * thumb_cmc_9;
@@ -7649,10 +4181,14 @@ pub fn evaluate_with_matrix(
         neg_mul_add(thumb_cmc_10, thumb_cmc_19, thumb_cmc_7 * thumb_cmc_21),
     );
     let thumb_cmc_43 = cos_thumb_cmc * thumb_ab_12;
-    let thumb_cmc_44 = 0.001231392781101626 * sin_thumb_cmc;
+    let thumb_cmc_44 = L::splat(0.001231392781101626) * sin_thumb_cmc;
     let thumb_cmc_45 = thumb_cmc_38
         + neg_mul_add(thumb_cmc_43, thumb_cmc_29, thumb_cmc_42)
-        + neg_mul_add(thumb_cmc_30, thumb_cmc_44, 0.006396729865499674 * cos_thumb_cmc);
+        + neg_mul_add(
+            thumb_cmc_30,
+            thumb_cmc_44,
+            L::splat(0.006396729865499674) * cos_thumb_cmc,
+        );
     let thumb_fpl_19 = thumb_fpl_12
         * mul_add(thumb_fpl_8, thumb_fpl_5, thumb_fpl_3 * thumb_fpl_9);
     let thumb_epl_19 = thumb_epl_12
@@ -7668,18 +4204,6 @@ pub fn evaluate_with_matrix(
             mul_add(thumb_fpl_19, thumb_fpl_18, thumb_cmc_45),
         ),
     );
-<<<<<<< HEAD
-    let thumb_apl_17 = thumb_apl_9 * thumb_apl_12;
-    let thumb_apl_18 = mul_sub(thumb_apl_8, thumb_apl_13, thumb_apl_3 * thumb_apl_17);
-    let thumb_apb_17 = thumb_apb_7 * thumb_apb_10;
-    let thumb_apb_18 = mul_add(thumb_apb_6, thumb_apb_11, thumb_apb_2 * thumb_apb_17);
-    work[20] = thumb_apb_18;
-    let thumb_opp_15 = thumb_opp_7 * thumb_opp_10;
-    let thumb_opp_16 = mul_add(thumb_opp_6, thumb_opp_11, thumb_opp_1 * thumb_opp_15);
-    let thumb_cmc_19 = mul_add(
-        thumb_opp_16,
-        thumb_opp_14,
-=======
     let thumb_apl_15 = thumb_apl_12
         * mul_sub(thumb_apl_8, thumb_apl_4, thumb_apl_3 * thumb_apl_9);
     let thumb_apb_15 = thumb_apb_10
@@ -7689,110 +4213,53 @@ pub fn evaluate_with_matrix(
     let thumb_cmc_47 = mul_add(
         thumb_opp_13,
         thumb_opp_12,
->>>>>>> work-a
         mul_add(
             thumb_apb_15,
             thumb_apb_14,
             neg_mul_add(thumb_apl_15, thumb_apl_14, thumb_cmc_46),
         ),
     );
-<<<<<<< HEAD
-    let thumb_adp_17 = thumb_adp_7 * thumb_adp_10;
-    let thumb_adp_18 = mul_add(thumb_adp_6, thumb_adp_11, thumb_adp_2 * thumb_adp_17);
-    work[18] = thumb_adp_18;
+    let thumb_adp_15 = thumb_adp_10
+        * mul_add(thumb_adp_6, thumb_adp_3, thumb_adp_2 * thumb_adp_7);
     force[17] = neg_mul_add(
         v_thumb_cmc,
         c_0,
-        mul_add(thumb_adp_18, thumb_adp_16, thumb_cmc_19),
+        mul_add(thumb_adp_15, thumb_adp_14, thumb_cmc_47),
     );
-    let thumb_mcp_3 = mul_sub(thumb_ab_12, thumb_ab_23, thumb_ab_7 * thumb_ab_4);
-    let thumb_mcp_4 = mul_sub(thumb_ab_12, thumb_ab_28, thumb_ab_7 * thumb_ab_16)
-        + thumb_mcp_3;
-    let thumb_mcp_5 = L::splat(0.046200000000000005) * thumb_ab_12;
-    work[48] = thumb_mcp_5;
-    let thumb_mcp_6 = neg_mul_add(thumb_cmc_2, thumb_ab_28, thumb_ip_1);
-    work[13] = thumb_mcp_6;
-    let thumb_mcp_7 = L::splat(0.046200000000000005) * v_thumb_cmc;
-    work[11] = thumb_mcp_7;
-    let thumb_mcp_8 = mul_sub(thumb_mcp_7, thumb_mcp_6, thumb_mcp_5 * thumb_mcp_4)
-        - mul_add(thumb_ab_7, thumb_ab_31, thumb_ab_12 * thumb_ab_21);
-    let thumb_mcp_9 = thumb_mcp_8
-        + neg_mul_add(
-            L::splat(0.007702213844920938),
-            thumb_cmc_11,
-            mul_sub(thumb_ab_33, thumb_cmc_12, thumb_cmc_16),
-        );
-    let thumb_fpl_23 = L::splat(1.0) / thumb_fpl_17;
-    work[50] = thumb_fpl_23;
-    let thumb_fpl_24 = thumb_fpl_23
+    let thumb_fpl_20 = L::splat(1.0) / thumb_fpl_15;
+    let thumb_fpl_21 = thumb_fpl_20
         * mul_sub(
             L::splat(9.999999999999972e-6),
             sin_thumb_mcp,
             L::splat(0.00021) * cos_thumb_mcp,
         );
-    work[49] = thumb_fpl_24;
-    let thumb_epl_21 = L::splat(1.0) / thumb_epl_15;
-    work[53] = thumb_epl_21;
-    let thumb_epl_22 = thumb_epl_21
+    let thumb_epl_20 = L::splat(1.0) / thumb_epl_15;
+    let thumb_epl_21 = thumb_epl_20
         * mul_add(
             L::splat(0.00011549999999999999),
             sin_thumb_mcp,
             L::splat(5.17e-5) * cos_thumb_mcp,
         );
-    work[54] = thumb_epl_22;
-    let thumb_mcp_10 = neg_mul_add(
-        thumb_epl_22,
-        thumb_epb_11,
-=======
-    let thumb_adp_15 = thumb_adp_10
-        * mul_add(thumb_adp_6, thumb_adp_3, thumb_adp_2 * thumb_adp_7);
-    force[coordinate::THUMB_CMC] = neg_mul_add(
-        damping,
-        v_thumb_cmc,
-        mul_add(thumb_adp_15, thumb_adp_14, thumb_cmc_47),
-    );
-    let thumb_fpl_20 = 1.0 / thumb_fpl_15;
-    let thumb_fpl_21 = thumb_fpl_20
-        * mul_sub(9.999999999999972e-6, sin_thumb_mcp, 0.00021 * cos_thumb_mcp);
-    let thumb_epl_20 = 1.0 / thumb_epl_15;
-    let thumb_epl_21 = thumb_epl_20
-        * mul_add(0.00011549999999999999, sin_thumb_mcp, 5.17e-5 * cos_thumb_mcp);
     let thumb_mcp_1 = neg_mul_add(
         thumb_epl_21,
         thumb_epb_10,
->>>>>>> work-a
         neg_mul_add(
             thumb_epl_21,
             thumb_epl_18,
             neg_mul_add(thumb_fpl_21, thumb_fpl_18, thumb_cmc_38),
         ),
     );
-<<<<<<< HEAD
-    let thumb_apb_19 = L::splat(1.0) / thumb_apb_15;
-    work[58] = thumb_apb_19;
-    let thumb_apb_20 = thumb_apb_19
+    let thumb_apb_16 = L::splat(1.0) / thumb_apb_13;
+    let thumb_apb_17 = thumb_apb_16
         * mul_add(
             L::splat(2.9599999999999994e-5),
             sin_thumb_mcp,
             L::splat(9.72e-5) * cos_thumb_mcp,
         );
-    work[57] = thumb_apb_20;
-    let thumb_adp_19 = L::splat(1.0) / thumb_adp_15;
-    work[63] = thumb_adp_19;
-    let thumb_adp_20 = thumb_adp_19
-        * mul_add(L::splat(3.56e-5), sin_thumb_mcp, L::splat(8.9e-5) * cos_thumb_mcp);
-    work[62] = thumb_adp_20;
-    force[18] = neg_mul_add(
-=======
-    let thumb_apb_16 = 1.0 / thumb_apb_13;
-    let thumb_apb_17 = thumb_apb_16
-        * mul_add(2.9599999999999994e-5, sin_thumb_mcp, 9.72e-5 * cos_thumb_mcp);
-    let thumb_adp_16 = 1.0 / thumb_adp_13;
+    let thumb_adp_16 = L::splat(1.0) / thumb_adp_13;
     let thumb_adp_17 = thumb_adp_16
-        * mul_add(3.56e-5, sin_thumb_mcp, 8.9e-5 * cos_thumb_mcp);
-    force[coordinate::THUMB_MCP] = neg_mul_add(
-        damping,
->>>>>>> work-a
+        * mul_add(L::splat(3.56e-5), sin_thumb_mcp, L::splat(8.9e-5) * cos_thumb_mcp);
+    force[18] = neg_mul_add(
         v_thumb_mcp,
         c_0,
         mul_add(
@@ -7801,58 +4268,21 @@ pub fn evaluate_with_matrix(
             mul_add(thumb_apb_17, thumb_apb_14, thumb_mcp_1),
         ),
     );
-<<<<<<< HEAD
-    let thumb_ip_2 = mul_add(thumb_ab_8, thumb_ab_7, thumb_ab_2 * thumb_ab_12);
-    work[66] = thumb_ip_2;
-    let thumb_ip_3 = mul_sub(thumb_ab_2, thumb_cmc_2, thumb_cmc_4);
-    work[34] = thumb_ip_3;
-    let thumb_ip_4 = thumb_ab_8 * thumb_cmc_2;
-    work[35] = thumb_ip_4;
-    let thumb_ip_5 = neg_mul_add(
-        thumb_ip_4,
-        thumb_mcp_1,
-        mul_sub(thumb_ip_3, thumb_ip_1, thumb_ip_2 * thumb_mcp_3),
-    );
-    let thumb_ip_6 = mul_sub(
-        thumb_ab_8,
-        L::splat(0.05958765820125469) * thumb_cmc_14,
-        thumb_ab_2 * (L::splat(0.05958765820125469) * thumb_cmc_11),
-    );
-    let thumb_ip_7 = thumb_ip_5
-        - mul_add(thumb_ab_7, thumb_ab_27, thumb_ab_12 * thumb_ab_14)
-        + (neg_mul_add(thumb_ab_23, thumb_cmc_15, thumb_ab_4 * thumb_cmc_12)
-            + thumb_ip_6);
-    let thumb_fpl_25 = L::splat(1.0) / thumb_fpl_19;
-    work[69] = thumb_fpl_25;
-    let thumb_fpl_26 = thumb_fpl_25
-=======
-    let thumb_fpl_22 = 1.0 / thumb_fpl_17;
+    let thumb_fpl_22 = L::splat(1.0) / thumb_fpl_17;
     let thumb_fpl_23 = thumb_fpl_22
->>>>>>> work-a
         * mul_add(
             L::splat(4.799999999999981e-6),
             sin_thumb_ip,
             L::splat(0.00014879999999999998) * cos_thumb_ip,
         );
-<<<<<<< HEAD
-    work[70] = thumb_fpl_26;
-    let thumb_epl_23 = L::splat(1.0) / thumb_epl_17;
-    work[72] = thumb_epl_23;
-    let thumb_epl_24 = thumb_epl_23
+    let thumb_epl_22 = L::splat(1.0) / thumb_epl_17;
+    let thumb_epl_23 = thumb_epl_22
         * mul_add(
             L::splat(9.475e-5),
             sin_thumb_ip,
             L::splat(4.6000000000000014e-5) * cos_thumb_ip,
         );
-    work[73] = thumb_epl_24;
     force[19] = neg_mul_add(
-=======
-    let thumb_epl_22 = 1.0 / thumb_epl_17;
-    let thumb_epl_23 = thumb_epl_22
-        * mul_add(9.475e-5, sin_thumb_ip, 4.6000000000000014e-5 * cos_thumb_ip);
-    force[coordinate::THUMB_IP] = neg_mul_add(
-        damping,
->>>>>>> work-a
         v_thumb_ip,
         c_0,
         neg_mul_add(
@@ -7866,22 +4296,10 @@ pub fn evaluate_with_matrix(
     force[22] = L::splat(-0.9810000000000001);
     force[23] = mul_sub(v_ball_tz, ball_ty_1, v_ball_ty * ball_tz_1);
     let ball_ry_7 = v_ball_rx * sin_ball_rx;
-<<<<<<< HEAD
-    work[94] = ball_ry_7;
-    let ball_ry_8 = v_ball_rx * cos_ball_rx;
-    work[92] = ball_ry_8;
-    let ball_ry_9 = mul_sub(v_ball_ty, sin_ball_rx, v_ball_tz * cos_ball_rx);
-    work[75] = ball_ry_9;
-    let ball_ry_10 = v_ball_tx * sin_ball_rx;
-    work[83] = ball_ry_10;
-    let ball_ry_11 = v_ball_tx * cos_ball_rx;
-    work[87] = ball_ry_11;
-=======
     let ball_ry_8 = v_ball_rx * cos_ball_rx;
     let ball_ry_9 = mul_sub(v_ball_ty, sin_ball_rx, v_ball_tz * cos_ball_rx);
     let ball_ry_10 = v_ball_tx * sin_ball_rx;
     let ball_ry_11 = v_ball_tx * cos_ball_rx;
->>>>>>> work-a
     let ball_ry_12 = mul_add(
         ball_ry_11,
         ball_tz_1,
@@ -7889,184 +4307,108 @@ pub fn evaluate_with_matrix(
     );
     force[24] = neg_mul_add(ball_ry_7, ball_ry_6, ball_ry_8 * ball_ry_3) + ball_ry_12;
     let ball_rz_1 = mul_sub(sin_ball_ry, ball_ry_2, v_ball_rx * ball_ry_1);
-<<<<<<< HEAD
-    work[95] = ball_rz_1;
-    let ball_rz_2 = mul_add(ball_ry_1, ball_ry_5, ball_ry_4 * ball_ry_2);
-    work[91] = ball_rz_2;
-    let ball_rz_3 = mul_add(v_ball_rx, ball_ry_4, sin_ball_ry * ball_ry_5);
-    work[96] = ball_rz_3;
-=======
     let ball_rz_2 = mul_add(ball_ry_1, ball_ry_5, ball_ry_4 * ball_ry_2);
     let ball_rz_3 = mul_add(v_ball_rx, ball_ry_4, sin_ball_ry * ball_ry_5);
->>>>>>> work-a
     let ball_rz_4 = neg_mul_add(
         ball_rz_3,
         ball_ry_3,
         mul_add(ball_rz_2, ball_rx_1, ball_rz_1 * ball_ry_6),
     );
     let ball_rz_5 = mul_add(v_ball_ty, ball_ry_1, v_ball_tz * ball_ry_4);
-<<<<<<< HEAD
-    work[80] = ball_rz_5;
-    let ball_rz_6 = mul_sub(v_ball_tz, sin_ball_ry, v_ball_tx * ball_ry_1);
-    work[85] = ball_rz_6;
-    let ball_rz_7 = mul_add(v_ball_tx, ball_ry_4, v_ball_ty * sin_ball_ry);
-    work[88] = ball_rz_7;
-=======
     let ball_rz_6 = mul_sub(v_ball_tz, sin_ball_ry, v_ball_tx * ball_ry_1);
     let ball_rz_7 = mul_add(v_ball_tx, ball_ry_4, v_ball_ty * sin_ball_ry);
->>>>>>> work-a
     let ball_rz_8 = neg_mul_add(
         ball_rz_7,
         ball_tz_1,
         mul_add(ball_rz_5, ball_tx_1, ball_rz_6 * ball_ty_1),
     );
-<<<<<<< HEAD
     force[25] = ball_rz_4 + ball_rz_8;
-    let index_fdp_24 = mul_sub(
-        index_fdp_9,
-        neg_mul_add(
-            index_fdp_12,
-            index_fdp_12,
-            mul_add(index_fdp_2, index_fdp_2, index_fdp_5),
-        ),
-        mul_add(index_fdp_2, index_fdp_10, index_fdp_4 * index_fdp_11),
-    );
-    let index_fdp_25 = L::splat(0.25) * h;
-    work[1] = index_fdp_25;
-    let index_fdp_26 = index_fdp_25 * index_fdp_17;
-    let index_fdp_27 = index_fdp_25 * c_2;
-    let index_ab_34 = index_ab_17 + index_ab_6;
-    let index_ab_35 = L::splat(6.108011569195822e-6) + index_ab_34;
-    let index_ab_36 = index_ab_20 + index_ab_11;
-    let index_ab_37 = L::splat(1.0) / h;
-    work[5] = index_ab_37;
-    let index_ab_38 = cos_index_mcp
-        * (neg_mul_add(sin_index_mcp, index_ab_36, cos_index_mcp * index_ab_35)
-            * index_ab_37);
-    let index_ab_39 = index_ab_30 + index_ab_25;
-    let index_ab_40 = L::splat(4.511964479704354e-7) + index_ab_39;
-    let index_ab_41 = mul_sub(
-        sin_index_mcp,
-        neg_mul_add(sin_index_mcp, index_ab_40, cos_index_mcp * index_ab_36)
-            * index_ab_37,
-        index_ab_38,
-    );
-    let index_ab_42 = mul_sub(sin_index_mcp, index_mcp_13, cos_index_mcp * index_mcp_11);
-    let index_ab_43 = neg_mul_add(
-        sin_index_mcp,
-        index_fdp_25 * (index_mcp_12 * index_ab_42),
-        cos_index_mcp * (index_fdp_25 * (index_mcp_14 * index_ab_42)),
-    );
-    let index_ab_44 = index_ab_41 + index_ab_43
-        - mul_add(
-            index_fdp_12,
-            index_fdp_12 * index_fdp_27,
-            index_fdp_24 * index_fdp_26,
-        );
-    let index_edc_20 = mul_sub(
-        index_edc_9,
-        neg_mul_add(
-            index_edc_12,
-            index_edc_12,
-            mul_add(index_edc_2, index_edc_2, index_edc_5),
-        ),
-        mul_add(index_edc_2, index_edc_10, index_edc_4 * index_edc_11),
-    );
-    let index_edc_21 = index_fdp_25 * index_edc_15;
-    let index_edc_22 = index_fdp_25 * c_3;
-    let index_ab_45 = index_ab_44
-        - mul_add(
-            index_edc_12,
-            index_edc_12 * index_edc_22,
-            index_edc_20 * index_edc_21,
-        );
-    let index_interosseous_19 = neg_mul_add(
-        index_interosseous_15,
-        index_interosseous_15,
-        mul_add(
-            index_interosseous_5,
-            index_interosseous_5,
-            index_interosseous_1 * index_interosseous_1,
-        ),
-=======
-    force[coordinate::BALL_RZ] = ball_rz_4 + ball_rz_8;
-    let index_fdp_21 = 0.25 * h;
+    let index_fdp_21 = L::splat(0.25) * h;
     let index_fdp_22 = index_fdp_21 * index_fdp_15;
     let index_fdp_23 = index_fdp_9 * index_fdp_22;
-    let index_fdp_24 = k_flexor * index_fdp_21;
+    let index_fdp_24 = index_fdp_21 * c_3;
     let index_fdp_25 = index_fdp_24 - index_fdp_23;
     let index_fdp_26 = index_fdp_2 * index_fdp_1;
-    let index_ab_20 = 1.0 / h;
+    let index_ab_20 = L::splat(1.0) / h;
     let index_ab_21 = mul_add(
         index_ab_20,
         index_ab_18,
-        mul_sub(index_fdp_10, index_fdp_10 * index_fdp_25, index_fdp_26 * index_fdp_23),
->>>>>>> work-a
+        neg_mul_add(
+            index_fdp_26,
+            index_fdp_23,
+            index_fdp_10 * (index_fdp_10 * index_fdp_25),
+        ),
     );
     let index_edc_17 = index_fdp_21 * index_edc_13;
     let index_edc_18 = index_edc_9 * index_edc_17;
-    let index_edc_19 = k_extensor * index_fdp_21;
+    let index_edc_19 = index_fdp_21 * c_2;
     let index_edc_20 = index_edc_19 - index_edc_18;
     let index_edc_21 = index_edc_2 * index_edc_1;
-    let index_ab_22 = mul_sub(
-        index_edc_10,
-        index_edc_10 * index_edc_20,
-        index_edc_21 * index_edc_18,
+    let index_ab_22 = neg_mul_add(
+        index_edc_21,
+        index_edc_18,
+        index_edc_10 * (index_edc_10 * index_edc_20),
     ) + index_ab_21;
     let index_interosseous_16 = index_interosseous_12
         * (index_fdp_21 * index_interosseous_14);
-    let index_interosseous_17 = k_intrinsic * index_fdp_21;
+    let index_interosseous_17 = index_fdp_21 * c_1;
     let index_interosseous_18 = index_interosseous_17 - index_interosseous_16;
     let index_interosseous_19 = index_interosseous_1 * index_interosseous_3;
     let index_interosseous_20 = mul_add(
-        index_interosseous_13,
-        index_interosseous_13 * index_interosseous_18,
-        mul_add(0.01, index_interosseous_5, index_interosseous_19)
-            * index_interosseous_16,
+        mul_add(L::splat(0.01), index_interosseous_5, index_interosseous_19),
+        index_interosseous_16,
+        index_interosseous_13 * (index_interosseous_13 * index_interosseous_18),
     );
     let index_band_22 = index_fdp_21 * index_band_16;
     let index_band_23 = index_band_10 * index_band_22;
     let index_band_24 = index_interosseous_17 - index_band_23;
     let index_band_25 = index_band_2 * index_band_1;
-    let index_band_26 = mul_sub(
-        index_band_11,
-        index_band_11 * index_band_24,
-        mul_add(0.009, index_band_4, index_band_25) * index_band_23,
+    let index_band_26 = neg_mul_add(
+        mul_add(L::splat(0.009), index_band_4, index_band_25),
+        index_band_23,
+        index_band_11 * (index_band_11 * index_band_24),
     );
-    matrix[0] = -(index_band_26 + (index_interosseous_20 + index_ab_22) + value_0);
+    matrix[0] = -(index_interosseous_20 + index_ab_22 + index_band_26 + c_4);
     let index_fdp_27 = index_fdp_16 * index_fdp_25;
     let index_edc_22 = index_edc_14 * index_edc_20;
     let index_ab_23 = neg_mul_add(
         index_fdp_10,
         index_fdp_27,
         index_fdp_4 * index_fdp_5 * index_fdp_23,
-    ) + mul_sub(index_edc_10, index_edc_22, index_edc_4 * index_edc_5 * index_edc_18);
+    )
+        + neg_mul_add(
+            index_edc_4 * index_edc_5,
+            index_edc_18,
+            index_edc_10 * index_edc_22,
+        );
     let index_interosseous_21 = index_interosseous_15 * index_interosseous_18;
-    let index_ab_24 = neg_mul_add(
-        index_interosseous_13,
-        index_interosseous_21,
-        index_interosseous_5 * index_interosseous_8 * index_interosseous_16,
-    ) + index_ab_23;
+    let index_ab_24 = index_ab_23
+        + neg_mul_add(
+            index_interosseous_13,
+            index_interosseous_21,
+            index_interosseous_5 * index_interosseous_8 * index_interosseous_16,
+        );
     let index_band_27 = index_band_17 * index_band_24;
-    let index_ab_25 = mul_add(
-        index_band_11,
-        index_band_27,
-        index_band_4 * index_band_6 * index_band_23,
-    ) + index_ab_24;
-    let index_ab_26 = 2.0 * v_index_ab;
+    let index_ab_25 = index_ab_24
+        + mul_add(
+            index_band_11,
+            index_band_27,
+            index_band_4 * index_band_6 * index_band_23,
+        );
+    let index_ab_26 = L::splat(2.0) * v_index_ab;
     let index_ab_27 = mul_add(
         index_mcp_28,
         index_ab_26,
         mul_add(index_ab_11 + index_ab_5, index_mcp_23, index_mcp_26 * index_mcp_4),
     );
-    let index_ab_28 = 0.5 * index_ab_27;
+    let index_ab_28 = L::splat(0.5) * index_ab_27;
     let index_ab_29 = mul_add(
         index_mcp_6,
         index_mcp_31,
         mul_add(index_mcp_32, index_ab_4, index_ab_11 * index_mcp_34),
     );
     let index_ab_30 = mul_add(
-        0.5,
+        L::splat(0.5),
         mul_add(
             index_mcp_36,
             index_ab_26,
@@ -8074,458 +4416,23 @@ pub fn evaluate_with_matrix(
         ),
         index_ab_28,
     );
-<<<<<<< HEAD
-    let index_interosseous_21 = index_fdp_25 * index_interosseous_16;
-    let index_interosseous_22 = index_fdp_25 * c_1;
-    let index_ab_46 = index_ab_45
-        - mul_add(
-            index_interosseous_20,
-            index_interosseous_21,
-            index_interosseous_15 * (index_interosseous_15 * index_interosseous_22),
-        );
-    let index_band_25 = neg_mul_add(
-        index_band_13,
-        index_band_13,
-        mul_add(index_band_4, index_band_4, index_band_2 * index_band_2),
-=======
     let index_ab_31 = mul_add(
         index_mcp_42,
         index_ab_26,
         mul_add(index_mcp_40, index_ab_10, index_mcp_9 * index_mcp_39),
->>>>>>> work-a
     );
-    let index_ab_32 = mul_add(0.5, index_ab_31, index_ab_30);
+    let index_ab_32 = mul_add(L::splat(0.5), index_ab_31, index_ab_30);
     matrix[1] = index_ab_32 - index_ab_25;
     let index_edc_23 = index_edc_16 * index_edc_19;
     let index_fdp_28 = index_fdp_18 * index_fdp_24;
-    let index_band_28 = index_interosseous_17 * index_band_19;
+    let index_band_28 = index_band_19 * index_interosseous_17;
     let index_ab_33 = mul_add(
         index_band_11,
         index_band_28,
-        mul_sub(index_fdp_10, index_fdp_28, index_edc_10 * index_edc_23),
+        neg_mul_add(index_edc_10, index_edc_23, index_fdp_10 * index_fdp_28),
     );
-<<<<<<< HEAD
-    let index_band_27 = index_fdp_25 * index_band_18;
-    let index_ab_47 = index_ab_46
-        - mul_add(
-            index_band_13,
-            index_band_13 * index_interosseous_22,
-            index_band_26 * index_band_27,
-        );
-    matrix[0] = index_ab_47 - c_4;
-    let index_fdp_28 = index_fdp_9
-        * mul_add(index_fdp_4, index_fdp_6, index_fdp_12 * index_fdp_19) * index_fdp_26;
-    let index_fdp_29 = index_fdp_19 * index_fdp_27;
-    let index_fdp_30 = neg_mul_add(index_fdp_12, index_fdp_29, index_fdp_28);
-    let index_ab_48 = index_ab_7 * index_ab_36;
-    let index_ab_49 = index_ab_32 + mul_add(index_ab_12, index_ab_35, index_ab_48);
-    let index_ab_50 = index_ab_12 * index_ab_36;
-    let index_ab_51 = index_ab_22 - mul_add(index_ab_7, index_ab_40, index_ab_50);
-    let index_ab_52 = mul_add(sin_index_mcp, index_ab_51, cos_index_mcp * index_ab_49);
-    let index_edc_23 = index_edc_17 * index_edc_22;
-    let index_edc_24 = neg_mul_add(
-        index_edc_9 * mul_add(index_edc_4, index_edc_6, index_edc_12 * index_edc_17),
-        index_edc_21,
-        index_edc_12 * index_edc_23,
-    );
-    let index_interosseous_23 = index_interosseous_12
-        * mul_add(
-            index_interosseous_5,
-            index_interosseous_8,
-            index_interosseous_15 * index_interosseous_18,
-        ) * index_interosseous_21;
-    let index_interosseous_24 = index_interosseous_18 * index_interosseous_22;
-    let index_interosseous_25 = neg_mul_add(
-        index_interosseous_15,
-        index_interosseous_24,
-        index_interosseous_23,
-    );
-    let index_band_28 = index_band_20 * index_interosseous_22;
-    let index_band_29 = mul_add(
-        index_band_10
-            * mul_sub(index_band_4, index_band_6, index_band_13 * index_band_20),
-        index_band_27,
-        index_band_13 * index_band_28,
-    );
-    matrix[1] = mul_sub(L::splat(0.5), index_ab_52, index_fdp_30) - index_edc_24
-        - index_interosseous_25 - index_band_29;
-    let index_ab_53 = mul_sub(
-        index_pip_5,
-        index_mcp_13,
-        mul_add(index_ab_7, index_ab_39, index_ab_50),
-    ) + mul_add(L::splat(0.039799999999999995), index_pip_4, index_ab_21);
-    let index_ab_54 = mul_sub(
-        index_pip_5,
-        index_mcp_10,
-        mul_add(index_ab_12, index_ab_34, index_ab_48),
-    ) - index_ab_31;
-    let index_ab_55 = neg_mul_add(
-        sin_index_mcp,
-        index_ab_53,
-        cos_index_mcp * index_ab_54,
-    );
-    let index_fdp_31 = index_fdp_21 * index_fdp_27;
-    let index_fdp_32 = index_fdp_12 * index_fdp_31;
-    let index_edc_25 = index_edc_19 * index_edc_22;
-    let index_band_30 = index_band_22 * index_interosseous_22;
-    matrix[2] = mul_add(
-        index_band_13,
-        index_band_30,
-        neg_mul_add(
-            index_edc_12,
-            index_edc_25,
-            neg_mul_add(L::splat(0.5), index_ab_55, index_fdp_32),
-        ),
-    );
-    let index_ab_56 = mul_sub(
-        index_dip_2,
-        index_ab_23,
-        mul_add(index_ab_7, index_ab_25, index_ab_13),
-    ) + mul_add(index_ab_2, index_pip_3, index_ab_14);
-    let index_ab_57 = mul_sub(
-        index_dip_2,
-        index_ab_4,
-        mul_add(index_ab_12, index_ab_6, index_ab_26),
-    ) - mul_add(index_ab_8, index_pip_3, index_ab_27);
-    let index_ab_58 = neg_mul_add(
-        sin_index_mcp,
-        index_ab_56,
-        cos_index_mcp * index_ab_57,
-    );
-    let index_fdp_33 = index_fdp_23 * index_fdp_27;
-    let index_fdp_34 = index_fdp_12 * index_fdp_33;
-    let index_band_31 = index_band_24 * index_interosseous_22;
-    matrix[3] = mul_sub(
-        index_band_13,
-        index_band_31,
-        mul_add(L::splat(0.5), index_ab_58, index_fdp_34),
-    );
-    let index_mcp_18 = index_band_29
-        + (index_interosseous_25
-            + (index_edc_24 + mul_add(L::splat(0.5), index_ab_52, index_fdp_30)));
-    matrix[26] = -index_mcp_18;
-    let index_fdp_35 = neg_mul_add(
-        index_fdp_19,
-        index_fdp_19,
-        mul_add(index_fdp_6, index_fdp_6, index_fdp_1 * index_fdp_1),
-    );
-    let index_fdp_36 = mul_add(
-        index_fdp_9,
-        index_fdp_35,
-        neg_mul_add(index_fdp_1, index_fdp_10, index_fdp_6 * index_fdp_18),
-    );
-    let index_mcp_19 = neg_mul_add(
-        index_ab_7,
-        index_fdp_25 * index_ab_51,
-        index_ab_12 * (index_fdp_25 * index_ab_49),
-    );
-    let index_mcp_20 = index_mcp_8 + index_mcp_1;
-    let index_mcp_21 = index_mcp_13 * index_mcp_12;
-    let index_mcp_22 = mul_add(
-        index_fdp_25,
-        mul_sub(
-            index_mcp_14,
-            L::splat(-0.00022169899542251022) - index_mcp_10,
-            index_mcp_21,
-        ),
-        neg_mul_add(
-            L::splat(6.108011569195822e-6) + index_mcp_20,
-            index_ab_37,
-            index_mcp_19,
-        ),
-    );
-    let index_edc_26 = neg_mul_add(
-        index_edc_17,
-        index_edc_17,
-        mul_add(index_edc_6, index_edc_6, index_edc_1 * index_edc_1),
-    );
-    let index_edc_27 = mul_sub(
-        index_edc_9,
-        index_edc_26,
-        mul_add(index_edc_1, index_edc_10, index_edc_6 * index_edc_16),
-    );
-    let index_mcp_23 = index_mcp_22
-        - mul_add(index_fdp_19, index_fdp_29, index_fdp_36 * index_fdp_26)
-        - mul_add(index_edc_27, index_edc_21, index_edc_17 * index_edc_23);
-    let index_interosseous_26 = neg_mul_add(
-        index_interosseous_18,
-        index_interosseous_18,
-        mul_add(
-            index_interosseous_8,
-            index_interosseous_8,
-            index_interosseous_3 * index_interosseous_3,
-        ),
-    );
-    let index_interosseous_27 = mul_add(
-        index_interosseous_12,
-        index_interosseous_26,
-        neg_mul_add(
-            index_interosseous_3,
-            index_interosseous_13,
-            index_interosseous_8 * index_interosseous_17,
-        ),
-    );
-    let index_band_32 = neg_mul_add(
-        index_band_20,
-        index_band_20,
-        mul_add(index_band_6, index_band_6, index_band_1 * index_band_1),
-    );
-    let index_band_33 = mul_add(
-        index_band_10,
-        index_band_32,
-        neg_mul_add(index_band_1, index_band_11, index_band_6 * index_band_19),
-    );
-    let index_mcp_24 = index_mcp_23
-        - mul_add(
-            index_interosseous_27,
-            index_interosseous_21,
-            index_interosseous_18 * index_interosseous_24,
-        ) - mul_add(index_band_33, index_band_27, index_band_20 * index_band_28);
-    matrix[27] = index_mcp_24 - c_4;
-    let index_mcp_25 = mul_add(
-        index_ab_7,
-        index_fdp_25 * index_ab_53,
-        index_ab_12 * (index_fdp_25 * index_ab_54),
-    );
-    let index_mcp_26 = index_ab_37
-        * neg_mul_add(L::splat(0.039799999999999995), index_mcp_10, index_mcp_20);
-    let index_mcp_27 = L::splat(0.00030365844164887296) - index_mcp_10;
-    let index_mcp_28 = mul_sub(index_mcp_14, index_mcp_27, index_mcp_21);
-    let index_mcp_29 = mul_sub(index_fdp_25, index_mcp_28, index_mcp_26 + index_mcp_25);
-    let index_mcp_30 = neg_mul_add(
-        index_pip_7,
-        index_mcp_13,
-        L::splat(0.039799999999999995) * index_pip_6,
-    );
-    let index_mcp_31 = neg_mul_add(
-        index_edc_17,
-        index_edc_25,
-        neg_mul_add(
-            index_fdp_19,
-            index_fdp_31,
-            neg_mul_add(L::splat(0.5), index_mcp_30, index_mcp_29),
-        ),
-    );
-    matrix[28] = mul_add(index_band_20, index_band_30, index_mcp_31);
-    let index_mcp_32 = mul_add(
-        index_ab_7,
-        index_fdp_25 * index_ab_56,
-        index_ab_12 * (index_fdp_25 * index_ab_57),
-    );
-    let index_mcp_33 = index_ab_37
-        * (index_mcp_1 - mul_add(index_ab_8, index_ab_23, index_ab_2 * index_ab_4));
-    let index_mcp_34 = mul_sub(L::splat(0.0026754431356501404), index_ab_2, index_ab_4);
-    let index_mcp_35 = mul_sub(
-        L::splat(5.9929926238563145e-5),
-        sin_index_pip,
-        index_ab_23,
-    );
-    let index_mcp_36 = index_fdp_25
-        * mul_add(index_mcp_14, index_mcp_34, index_mcp_12 * index_mcp_35);
-    let index_mcp_37 = index_mcp_36 - (index_mcp_33 + index_mcp_32);
-    let index_mcp_38 = neg_mul_add(index_dip_3, index_ab_23, index_dip_4 * index_ab_4)
-        + mul_sub(index_ab_2, index_dip_1, index_ab_8 * index_pip_1);
-    matrix[29] = mul_add(
-        index_band_20,
-        index_band_31,
-        mul_add(
-            index_fdp_19,
-            index_fdp_33,
-            neg_mul_add(L::splat(0.5), index_mcp_38, index_mcp_37),
-        ),
-    );
-    matrix[52] = mul_add(
-        index_band_13,
-        index_band_30,
-        neg_mul_add(
-            index_edc_12,
-            index_edc_25,
-            mul_add(L::splat(0.5), index_ab_55, index_fdp_32),
-        ),
-    );
-    let index_pip_11 = neg_mul_add(
-        index_edc_17,
-        index_edc_25,
-        neg_mul_add(
-            index_fdp_19,
-            index_fdp_31,
-            mul_add(L::splat(0.5), index_mcp_30, index_mcp_29),
-        ),
-    );
-    matrix[53] = mul_add(index_band_20, index_band_30, index_pip_11);
-    let index_pip_12 = mul_sub(
-        L::splat(0.00030365844164887296),
-        index_ab_12,
-        mul_add(index_ab_7, index_mcp_13, index_ab_12 * index_mcp_10),
-    );
-    let index_pip_13 = mul_add(
-        index_pip_7,
-        index_fdp_25
-            * mul_add(L::splat(0.00030365844164887296), v_index_mcp, index_pip_2),
-        index_pip_5 * (index_fdp_25 * index_pip_12),
-    );
-    let index_pip_14 = index_pip_13 - index_mcp_25
-        - mul_add(
-            L::splat(0.039799999999999995),
-            index_ab_37 * index_mcp_27,
-            index_mcp_26,
-        );
-    let index_fdp_37 = mul_add(
-        index_fdp_21,
-        index_fdp_31,
-        index_fdp_20 * neg_mul_add(index_fdp_21, index_fdp_21, index_fdp_13)
-            * index_fdp_26,
-    );
-    let index_edc_28 = mul_add(
-        index_edc_18 * neg_mul_add(index_edc_19, index_edc_19, index_edc_13),
-        index_edc_21,
-        index_edc_19 * index_edc_25,
-    );
-    let index_band_34 = mul_add(
-        index_band_21 * neg_mul_add(index_band_22, index_band_22, index_band_14),
-        index_band_27,
-        index_band_22 * index_band_30,
-    );
-    let index_pip_15 = mul_add(index_fdp_25, index_mcp_28, index_pip_14) - index_fdp_37
-        - index_edc_28 - index_band_34;
-    matrix[54] = index_pip_15 - c_4;
-    let index_pip_16 = mul_sub(
-        L::splat(0.0026754431356501404),
-        index_dip_2,
-        mul_add(index_ab_7, index_ab_23, index_ab_12 * index_ab_4),
-    );
-    let index_pip_17 = index_fdp_25 * index_pip_16;
-    let index_pip_18 = index_fdp_25
-        * mul_add(L::splat(0.0026754431356501404), index_dip_3, index_pip_1);
-    let index_pip_19 = index_ab_37 * index_mcp_34;
-    let index_pip_20 = mul_add(index_pip_7, index_pip_18, index_pip_5 * index_pip_17)
-        - index_mcp_32
-        - mul_add(L::splat(0.039799999999999995), index_pip_19, index_mcp_33);
-    let index_pip_21 = index_mcp_36 + index_pip_20;
-    let index_pip_22 = mul_add(
-        L::splat(0.0026754431356501404),
-        index_dip_4,
-        index_dip_1,
-    );
-    let index_pip_23 = neg_mul_add(
-        index_pip_7,
-        index_mcp_35,
-        neg_mul_add(L::splat(0.039799999999999995), index_pip_22, index_mcp_38),
-    );
-    matrix[55] = neg_mul_add(
-        index_band_22,
-        index_band_31,
-        mul_add(
-            index_fdp_21,
-            index_fdp_33,
-            neg_mul_add(L::splat(0.5), index_pip_23, index_pip_21),
-        ),
-    );
-    matrix[78] = mul_add(
-        index_band_13,
-        index_band_31,
-        mul_sub(L::splat(0.5), index_ab_58, index_fdp_34),
-    );
-    matrix[79] = mul_add(
-        index_band_20,
-        index_band_31,
-        mul_add(
-            index_fdp_19,
-            index_fdp_33,
-            mul_add(L::splat(0.5), index_mcp_38, index_mcp_37),
-        ),
-    );
-    matrix[80] = neg_mul_add(
-        index_band_22,
-        index_band_31,
-        mul_add(
-            index_fdp_21,
-            index_fdp_33,
-            mul_add(L::splat(0.5), index_pip_23, index_pip_21),
-        ),
-    );
-    let index_dip_8 = mul_add(
-        index_dip_4,
-        index_fdp_25 * index_pip_22,
-        mul_add(index_dip_3, index_pip_18, index_dip_2 * index_pip_17),
-    );
-    let index_dip_9 = index_mcp_33
-        + mul_add(index_ab_8, index_ab_37 * index_mcp_35, index_ab_2 * index_pip_19);
-    let index_fdp_38 = mul_add(
-        index_fdp_22 * neg_mul_add(index_fdp_23, index_fdp_23, index_fdp_15),
-        index_fdp_26,
-        index_fdp_23 * index_fdp_33,
-    );
-    let index_band_35 = mul_add(
-        index_band_23 * neg_mul_add(index_band_24, index_band_24, index_band_16),
-        index_band_27,
-        index_band_24 * index_band_31,
-    );
-    let index_dip_10 = index_mcp_36 + (index_dip_8 - index_mcp_32 - index_dip_9)
-        - index_fdp_38 - index_band_35;
-    matrix[81] = index_dip_10 - c_4;
-    let middle_fdp_24 = mul_sub(
-        middle_fdp_9,
-        neg_mul_add(
-            middle_fdp_12,
-            middle_fdp_12,
-            mul_add(middle_fdp_2, middle_fdp_2, middle_fdp_5),
-        ),
-        mul_add(middle_fdp_2, middle_fdp_10, middle_fdp_4 * middle_fdp_11),
-    );
-    let middle_fdp_25 = index_fdp_25 * middle_fdp_17;
-    let middle_ab_34 = middle_ab_17 + middle_ab_6;
-    let middle_ab_35 = L::splat(8.530529217154657e-6) + middle_ab_34;
-    let middle_ab_36 = middle_ab_20 + middle_ab_11;
-    let middle_ab_37 = cos_middle_mcp
-        * (index_ab_37
-            * neg_mul_add(sin_middle_mcp, middle_ab_36, cos_middle_mcp * middle_ab_35));
-    let middle_ab_38 = middle_ab_30 + middle_ab_25;
-    let middle_ab_39 = L::splat(5.056120999869704e-7) + middle_ab_38;
-    let middle_ab_40 = mul_sub(
-        sin_middle_mcp,
-        index_ab_37
-            * neg_mul_add(sin_middle_mcp, middle_ab_39, cos_middle_mcp * middle_ab_36),
-        middle_ab_37,
-    );
-    let middle_ab_41 = mul_sub(
-        sin_middle_mcp,
-        middle_mcp_13,
-        cos_middle_mcp * middle_mcp_11,
-    );
-    let middle_ab_42 = neg_mul_add(
-        sin_middle_mcp,
-        index_fdp_25 * (middle_mcp_12 * middle_ab_41),
-        cos_middle_mcp * (index_fdp_25 * (middle_mcp_14 * middle_ab_41)),
-    );
-    let middle_ab_43 = middle_ab_40 + middle_ab_42
-        - mul_add(
-            middle_fdp_12,
-            middle_fdp_12 * index_fdp_27,
-            middle_fdp_24 * middle_fdp_25,
-        );
-    let middle_edc_20 = mul_sub(
-        middle_edc_9,
-        neg_mul_add(
-            middle_edc_12,
-            middle_edc_12,
-            mul_add(middle_edc_2, middle_edc_2, middle_edc_5),
-        ),
-        mul_add(middle_edc_2, middle_edc_10, middle_edc_4 * middle_edc_11),
-    );
-    let middle_edc_21 = index_fdp_25 * middle_edc_15;
-    let middle_ab_44 = middle_ab_43
-        - mul_add(
-            middle_edc_20,
-            middle_edc_21,
-            middle_edc_12 * (middle_edc_12 * index_edc_22),
-        );
-    let middle_interosseous_21 = neg_mul_add(
-        middle_interosseous_17,
-        middle_interosseous_17,
-=======
     matrix[2] = index_ab_30 + index_ab_33;
-    let index_band_29 = index_interosseous_17 * index_band_21;
+    let index_band_29 = index_band_21 * index_interosseous_17;
     let index_fdp_29 = index_fdp_20 * index_fdp_24;
     let index_ab_34 = neg_mul_add(
         index_fdp_10,
@@ -8539,16 +4446,15 @@ pub fn evaluate_with_matrix(
         index_mcp_31,
         mul_add(index_mcp_13, index_mcp_3, index_mcp_15 * index_mcp_5),
     );
-    let index_mcp_46 = 2.0 * index_mcp_29;
+    let index_mcp_46 = L::splat(2.0) * index_mcp_29;
     let index_mcp_47 = mul_add(
         index_fdp_21,
->>>>>>> work-a
         mul_add(
-            0.00020734416756975027,
+            L::splat(0.00020734416756975027),
             index_ab_15,
             mul_add(index_ab_17, index_mcp_46, index_mcp_45),
         ),
-        2.5540671987294797e-7 * index_ab_20,
+        L::splat(2.5540671987294797e-7) * index_ab_20,
     );
     let index_mcp_48 = mul_add(index_mcp_12, index_mcp_3, index_mcp_14 * index_mcp_5);
     let index_mcp_49 = mul_sub(
@@ -8565,8 +4471,8 @@ pub fn evaluate_with_matrix(
     ) + mul_add(index_mcp_25, index_mcp_38, index_mcp_51);
     let index_mcp_53 = mul_add(
         index_fdp_21,
-        mul_add(0.0011322366977691216, index_ab_1, index_mcp_52),
-        2.2502977721519766e-6 * index_ab_20,
+        mul_add(L::splat(0.0011322366977691216), index_ab_1, index_mcp_52),
+        L::splat(2.2502977721519766e-6) * index_ab_20,
     );
     let index_mcp_54 = index_mcp_49 - index_mcp_53 + index_mcp_50;
     let index_mcp_55 = mul_add(
@@ -8594,166 +4500,35 @@ pub fn evaluate_with_matrix(
     let index_mcp_61 = mul_add(
         index_fdp_21,
         mul_add(
-            0.005153756457670269,
+            L::splat(0.005153756457670269),
             sin_index_mcp,
             mul_add(index_ab_13, index_mcp_46, index_mcp_60),
         ),
-        1.8193617546820962e-5 * index_ab_20,
+        L::splat(1.8193617546820962e-5) * index_ab_20,
     );
-<<<<<<< HEAD
-    let middle_interosseous_23 = index_fdp_25 * middle_interosseous_18;
-    let middle_ab_45 = middle_ab_44
-        - mul_add(
-            middle_interosseous_22,
-            middle_interosseous_23,
-            middle_interosseous_17 * (middle_interosseous_17 * index_interosseous_22),
-        );
-    let middle_band_25 = neg_mul_add(
-        middle_band_13,
-        middle_band_13,
-        mul_add(middle_band_4, middle_band_4, middle_band_2 * middle_band_2),
-=======
     let index_fdp_30 = mul_add(
-        index_fdp_16,
-        index_fdp_27,
-        mul_sub(0.011, index_fdp_5, index_fdp_26) * index_fdp_23,
->>>>>>> work-a
+        mul_sub(L::splat(0.011), index_fdp_5, index_fdp_26),
+        index_fdp_23,
+        index_fdp_16 * index_fdp_27,
     );
     let index_edc_24 = mul_add(
-        index_edc_14,
-        index_edc_22,
-        mul_sub(0.011, index_edc_5, index_edc_21) * index_edc_18,
+        mul_sub(L::splat(0.011), index_edc_5, index_edc_21),
+        index_edc_18,
+        index_edc_14 * index_edc_22,
     );
-<<<<<<< HEAD
-    let middle_band_27 = index_fdp_25 * middle_band_18;
-    let middle_ab_46 = middle_ab_45
-        - mul_add(
-            middle_band_26,
-            middle_band_27,
-            middle_band_13 * (middle_band_13 * index_interosseous_22),
-        );
-    matrix[108] = middle_ab_46 - c_4;
-    let middle_fdp_26 = middle_fdp_9
-        * mul_add(middle_fdp_4, middle_fdp_6, middle_fdp_12 * middle_fdp_19)
-        * middle_fdp_25;
-    let middle_fdp_27 = middle_fdp_19 * index_fdp_27;
-    let middle_fdp_28 = neg_mul_add(middle_fdp_12, middle_fdp_27, middle_fdp_26);
-    let middle_ab_47 = middle_ab_7 * middle_ab_36;
-    let middle_ab_48 = middle_ab_32 + mul_add(middle_ab_12, middle_ab_35, middle_ab_47);
-    let middle_ab_49 = middle_ab_12 * middle_ab_36;
-    let middle_ab_50 = middle_ab_22 - mul_add(middle_ab_7, middle_ab_39, middle_ab_49);
-    let middle_ab_51 = mul_add(
-        sin_middle_mcp,
-        middle_ab_50,
-        cos_middle_mcp * middle_ab_48,
-    );
-    let middle_edc_22 = middle_edc_17 * index_edc_22;
-    let middle_edc_23 = neg_mul_add(
-        middle_edc_9
-            * mul_add(middle_edc_4, middle_edc_6, middle_edc_12 * middle_edc_17),
-        middle_edc_21,
-        middle_edc_12 * middle_edc_22,
-    );
-    let middle_interosseous_24 = middle_interosseous_14
-        * mul_add(
-            middle_interosseous_7,
-            middle_interosseous_10,
-            middle_interosseous_17 * middle_interosseous_20,
-        ) * middle_interosseous_23;
-    let middle_interosseous_25 = middle_interosseous_20 * index_interosseous_22;
-    let middle_interosseous_26 = neg_mul_add(
-        middle_interosseous_17,
-        middle_interosseous_25,
-        middle_interosseous_24,
-    );
-    let middle_band_28 = middle_band_20 * index_interosseous_22;
-    let middle_band_29 = mul_add(
-        middle_band_10
-            * mul_sub(middle_band_4, middle_band_6, middle_band_13 * middle_band_20),
-        middle_band_27,
-        middle_band_13 * middle_band_28,
-    );
-    matrix[109] = mul_sub(L::splat(0.5), middle_ab_51, middle_fdp_28) - middle_edc_23
-        - middle_interosseous_26 - middle_band_29;
-    let middle_ab_52 = mul_sub(
-        middle_pip_5,
-        middle_mcp_13,
-        mul_add(middle_ab_7, middle_ab_38, middle_ab_49),
-    ) + mul_add(L::splat(0.0446), middle_pip_4, middle_ab_21);
-    let middle_ab_53 = mul_sub(
-        middle_pip_5,
-        middle_mcp_10,
-        mul_add(middle_ab_12, middle_ab_34, middle_ab_47),
-    ) - middle_ab_31;
-    let middle_ab_54 = neg_mul_add(
-        sin_middle_mcp,
-        middle_ab_52,
-        cos_middle_mcp * middle_ab_53,
-    );
-    let middle_fdp_29 = middle_fdp_21 * index_fdp_27;
-    let middle_fdp_30 = middle_fdp_12 * middle_fdp_29;
-    let middle_edc_24 = middle_edc_19 * index_edc_22;
-    let middle_band_30 = middle_band_22 * index_interosseous_22;
-    matrix[110] = mul_add(
-        middle_band_13,
-        middle_band_30,
-        neg_mul_add(
-            middle_edc_12,
-            middle_edc_24,
-            neg_mul_add(L::splat(0.5), middle_ab_54, middle_fdp_30),
-        ),
-    );
-    let middle_ab_55 = mul_sub(
-        middle_dip_2,
-        middle_ab_23,
-        mul_add(middle_ab_7, middle_ab_25, middle_ab_13),
-    ) + mul_add(middle_ab_2, middle_pip_3, middle_ab_14);
-    let middle_ab_56 = mul_sub(
-        middle_dip_2,
-        middle_ab_4,
-        mul_add(middle_ab_12, middle_ab_6, middle_ab_26),
-    ) - mul_add(middle_ab_8, middle_pip_3, middle_ab_27);
-    let middle_ab_57 = neg_mul_add(
-        sin_middle_mcp,
-        middle_ab_55,
-        cos_middle_mcp * middle_ab_56,
-    );
-    let middle_fdp_31 = middle_fdp_23 * index_fdp_27;
-    let middle_fdp_32 = middle_fdp_12 * middle_fdp_31;
-    let middle_band_31 = middle_band_24 * index_interosseous_22;
-    matrix[111] = mul_add(
-        middle_band_13,
-        middle_band_31,
-        neg_mul_add(L::splat(0.5), middle_ab_57, middle_fdp_32),
-    );
-    let middle_mcp_18 = middle_band_29
-        + (middle_interosseous_26
-            + (middle_edc_23 + mul_add(L::splat(0.5), middle_ab_51, middle_fdp_28)));
-    matrix[134] = -middle_mcp_18;
-    let middle_fdp_33 = neg_mul_add(
-        middle_fdp_19,
-        middle_fdp_19,
-        mul_add(middle_fdp_6, middle_fdp_6, middle_fdp_1 * middle_fdp_1),
-    );
-    let middle_fdp_34 = mul_add(
-        middle_fdp_9,
-        middle_fdp_33,
-        neg_mul_add(middle_fdp_1, middle_fdp_10, middle_fdp_6 * middle_fdp_18),
-=======
     let index_interosseous_22 = mul_add(
-        index_interosseous_15,
-        index_interosseous_21,
-        mul_add(0.001, index_interosseous_8, index_interosseous_19)
-            * index_interosseous_16,
+        mul_add(L::splat(0.001), index_interosseous_8, index_interosseous_19),
+        index_interosseous_16,
+        index_interosseous_15 * index_interosseous_21,
     );
     let index_mcp_62 = index_mcp_58 - index_mcp_61 + index_mcp_59 - index_fdp_30
         - index_edc_24 - index_interosseous_22;
     let index_band_30 = mul_add(
-        index_band_17,
-        index_band_27,
-        mul_sub(0.005, index_band_6, index_band_25) * index_band_23,
+        mul_sub(L::splat(0.005), index_band_6, index_band_25),
+        index_band_23,
+        index_band_17 * index_band_27,
     );
-    matrix[27] = index_mcp_62 - index_band_30 - value_0;
+    matrix[27] = index_mcp_62 - index_band_30 - c_4;
     let index_mcp_63 = mul_add(
         index_band_17,
         index_band_28,
@@ -8764,10 +4539,10 @@ pub fn evaluate_with_matrix(
         ),
     );
     let index_mcp_64 = neg_mul_add(index_mcp_9, index_ab_4, index_ab_11 * index_mcp_4)
-        * (0.5 * (v_index_mcp + index_mcp_2));
+        * (L::splat(0.5) * (v_index_mcp + index_mcp_2));
     let index_mcp_65 = mul_add(
         neg_mul_add(index_mcp_9, index_ab_9, index_ab_11 * index_mcp_8),
-        0.5 * (v_index_mcp + index_mcp_1),
+        L::splat(0.5) * (v_index_mcp + index_mcp_1),
         index_mcp_64,
     );
     matrix[28] = index_mcp_65 + index_mcp_63;
@@ -8777,68 +4552,30 @@ pub fn evaluate_with_matrix(
         mul_add(index_fdp_16, index_fdp_29, index_mcp_56 + index_mcp_50),
     );
     let index_mcp_67 = neg_mul_add(index_mcp_6, index_ab_4, index_ab_5 * index_mcp_4)
-        * (0.5 * (index_mcp_1 + index_mcp_2));
+        * (L::splat(0.5) * (index_mcp_1 + index_mcp_2));
     let index_mcp_68 = index_mcp_64 + index_mcp_67;
     matrix[29] = index_mcp_68 + index_mcp_66;
     matrix[52] = index_ab_33 - index_ab_30;
     matrix[53] = index_mcp_63 - index_mcp_65;
     let index_fdp_31 = index_fdp_17 * index_fdp_22;
     let index_fdp_32 = mul_add(
-        index_fdp_18,
-        index_fdp_18 * (index_fdp_24 - index_fdp_31),
-        0.5 * index_fdp_11 * index_fdp_31,
->>>>>>> work-a
+        L::splat(0.5) * index_fdp_11,
+        index_fdp_31,
+        index_fdp_18 * (index_fdp_18 * (index_fdp_24 - index_fdp_31)),
     );
     let index_edc_25 = index_edc_15 * index_edc_17;
     let index_edc_26 = mul_add(
-        index_edc_16,
-        index_edc_16 * (index_edc_19 - index_edc_25),
-        0.5 * index_edc_11 * index_edc_25,
+        L::splat(0.5) * index_edc_11,
+        index_edc_25,
+        index_edc_16 * (index_edc_16 * (index_edc_19 - index_edc_25)),
     );
-<<<<<<< HEAD
-    let middle_mcp_20 = middle_mcp_8 + middle_mcp_1;
-    let middle_mcp_21 = middle_mcp_13 * middle_mcp_12;
-    let middle_mcp_22 = mul_add(
-        index_fdp_25,
-        mul_sub(
-            middle_mcp_14,
-            L::splat(-0.00027839876122739363) - middle_mcp_10,
-            middle_mcp_21,
-        ),
-        neg_mul_add(
-            index_ab_37,
-            L::splat(8.530529217154657e-6) + middle_mcp_20,
-            middle_mcp_19,
-        ),
-    );
-    let middle_edc_25 = neg_mul_add(
-        middle_edc_17,
-        middle_edc_17,
-        mul_add(middle_edc_6, middle_edc_6, middle_edc_1 * middle_edc_1),
-    );
-    let middle_edc_26 = mul_sub(
-        middle_edc_9,
-        middle_edc_25,
-        mul_add(middle_edc_1, middle_edc_10, middle_edc_6 * middle_edc_16),
-    );
-    let middle_mcp_23 = middle_mcp_22
-        - mul_add(middle_fdp_19, middle_fdp_27, middle_fdp_34 * middle_fdp_25)
-        - mul_add(middle_edc_17, middle_edc_22, middle_edc_26 * middle_edc_21);
-    let middle_interosseous_27 = neg_mul_add(
-        middle_interosseous_20,
-        middle_interosseous_20,
-        mul_add(
-            middle_interosseous_10,
-            middle_interosseous_10,
-            middle_interosseous_4 * middle_interosseous_4,
-=======
     let index_band_31 = index_band_18 * index_band_22;
     let index_band_32 = mul_add(
         index_band_19,
         index_band_19 * (index_interosseous_17 - index_band_31),
-        0.5 * index_band_12 * index_band_31,
+        L::splat(0.5) * index_band_12 * index_band_31,
     );
-    matrix[54] = index_mcp_54 - index_fdp_32 - index_edc_26 - index_band_32 - value_0;
+    matrix[54] = index_mcp_54 - index_fdp_32 - index_edc_26 - index_band_32 - c_4;
     let index_pip_2 = neg_mul_add(
         index_band_19,
         index_band_29,
@@ -8852,15 +4589,15 @@ pub fn evaluate_with_matrix(
     let index_fdp_34 = mul_add(
         index_fdp_20,
         index_fdp_20 * (index_fdp_24 - index_fdp_33),
-        0.5 * index_fdp_13 * index_fdp_33,
+        L::splat(0.5) * index_fdp_13 * index_fdp_33,
     );
     let index_band_33 = index_band_20 * index_band_22;
     let index_band_34 = mul_add(
-        index_band_21,
-        index_band_21 * (index_interosseous_17 - index_band_33),
-        0.5 * index_band_14 * index_band_33,
+        L::splat(0.5) * index_band_14,
+        index_band_33,
+        index_band_21 * (index_band_21 * (index_interosseous_17 - index_band_33)),
     );
-    matrix[81] = -(index_band_34 + (index_fdp_34 + index_mcp_47) + value_0);
+    matrix[81] = -(c_4 + (index_mcp_47 + index_fdp_34 + index_band_34));
     let middle_fdp_21 = index_fdp_21 * middle_fdp_13;
     let middle_fdp_22 = middle_fdp_14 * middle_fdp_21;
     let middle_fdp_23 = index_fdp_24 - middle_fdp_22;
@@ -8868,22 +4605,22 @@ pub fn evaluate_with_matrix(
     let middle_ab_20 = mul_add(
         index_ab_20,
         middle_ab_18,
-        mul_sub(
-            middle_fdp_15,
-            middle_fdp_15 * middle_fdp_23,
-            middle_fdp_24 * middle_fdp_22,
->>>>>>> work-a
+        neg_mul_add(
+            middle_fdp_24,
+            middle_fdp_22,
+            middle_fdp_15 * (middle_fdp_15 * middle_fdp_23),
         ),
     );
     let middle_edc_17 = index_fdp_21 * middle_edc_13;
     let middle_edc_18 = middle_edc_9 * middle_edc_17;
     let middle_edc_19 = index_edc_19 - middle_edc_18;
     let middle_edc_20 = middle_edc_2 * middle_edc_1;
-    let middle_ab_21 = mul_sub(
-        middle_edc_10,
-        middle_edc_10 * middle_edc_19,
-        middle_edc_20 * middle_edc_18,
-    ) + middle_ab_20;
+    let middle_ab_21 = middle_ab_20
+        + neg_mul_add(
+            middle_edc_20,
+            middle_edc_18,
+            middle_edc_10 * (middle_edc_10 * middle_edc_19),
+        );
     let middle_interosseous_18 = middle_interosseous_14
         * (index_fdp_21 * middle_interosseous_16);
     let middle_interosseous_19 = index_interosseous_17 - middle_interosseous_18;
@@ -8891,60 +4628,30 @@ pub fn evaluate_with_matrix(
     let middle_interosseous_21 = mul_add(
         middle_interosseous_15,
         middle_interosseous_15 * middle_interosseous_19,
-        mul_add(0.01, middle_interosseous_7, middle_interosseous_20)
+        mul_add(L::splat(0.01), middle_interosseous_7, middle_interosseous_20)
             * middle_interosseous_18,
     );
-<<<<<<< HEAD
-    let middle_band_32 = neg_mul_add(
-        middle_band_20,
-        middle_band_20,
-        mul_add(middle_band_6, middle_band_6, middle_band_1 * middle_band_1),
-    );
-    let middle_band_33 = mul_add(
-        middle_band_10,
-        middle_band_32,
-        neg_mul_add(middle_band_1, middle_band_11, middle_band_6 * middle_band_19),
-    );
-    let middle_mcp_24 = middle_mcp_23
-        - mul_add(
-            middle_interosseous_28,
-            middle_interosseous_23,
-            middle_interosseous_20 * middle_interosseous_25,
-        ) - mul_add(middle_band_20, middle_band_28, middle_band_33 * middle_band_27);
-    matrix[135] = middle_mcp_24 - c_4;
-    let middle_mcp_25 = mul_add(
-        middle_ab_7,
-        index_fdp_25 * middle_ab_52,
-        middle_ab_12 * (index_fdp_25 * middle_ab_53),
-    );
-    let middle_mcp_26 = index_ab_37
-        * neg_mul_add(L::splat(0.0446), middle_mcp_10, middle_mcp_20);
-    let middle_mcp_27 = L::splat(0.00039083406893673523) - middle_mcp_10;
-    let middle_mcp_28 = mul_sub(middle_mcp_14, middle_mcp_27, middle_mcp_21);
-    let middle_mcp_29 = mul_sub(
-        index_fdp_25,
-=======
     let middle_band_22 = index_fdp_21 * middle_band_16;
     let middle_band_23 = middle_band_10 * middle_band_22;
     let middle_band_24 = index_interosseous_17 - middle_band_23;
     let middle_band_25 = middle_band_2 * middle_band_1;
-    let middle_band_26 = mul_sub(
-        middle_band_11,
-        middle_band_11 * middle_band_24,
-        mul_add(0.009, middle_band_4, middle_band_25) * middle_band_23,
+    let middle_band_26 = neg_mul_add(
+        mul_add(L::splat(0.009), middle_band_4, middle_band_25),
+        middle_band_23,
+        middle_band_11 * (middle_band_11 * middle_band_24),
     );
-    matrix[108] = -(middle_band_26 + (middle_interosseous_21 + middle_ab_21) + value_0);
+    matrix[108] = -(c_4 + (middle_band_26 + (middle_ab_21 + middle_interosseous_21)));
     let middle_fdp_25 = middle_fdp_16 * middle_fdp_23;
     let middle_edc_21 = middle_edc_14 * middle_edc_19;
     let middle_ab_22 = neg_mul_add(
-        middle_fdp_15,
-        middle_fdp_25,
-        middle_fdp_4 * middle_fdp_5 * middle_fdp_22,
+        middle_edc_4 * middle_edc_5,
+        middle_edc_18,
+        middle_edc_10 * middle_edc_21,
     )
-        + mul_sub(
-            middle_edc_10,
-            middle_edc_21,
-            middle_edc_4 * middle_edc_5 * middle_edc_18,
+        + neg_mul_add(
+            middle_fdp_15,
+            middle_fdp_25,
+            middle_fdp_4 * middle_fdp_5 * middle_fdp_22,
         );
     let middle_interosseous_22 = middle_interosseous_17 * middle_interosseous_19;
     let middle_ab_23 = neg_mul_add(
@@ -8953,252 +4660,26 @@ pub fn evaluate_with_matrix(
         middle_interosseous_7 * middle_interosseous_10 * middle_interosseous_18,
     ) + middle_ab_22;
     let middle_band_27 = middle_band_17 * middle_band_24;
-    let middle_ab_24 = mul_add(
-        middle_band_11,
-        middle_band_27,
-        middle_band_4 * middle_band_6 * middle_band_23,
-    ) + middle_ab_23;
-    let middle_ab_25 = 2.0 * v_middle_ab;
+    let middle_ab_24 = middle_ab_23
+        + mul_add(
+            middle_band_11,
+            middle_band_27,
+            middle_band_4 * middle_band_6 * middle_band_23,
+        );
+    let middle_ab_25 = L::splat(2.0) * v_middle_ab;
     let middle_ab_26 = mul_add(
->>>>>>> work-a
         middle_mcp_28,
         middle_ab_25,
         mul_add(middle_ab_11 + middle_ab_5, middle_mcp_23, middle_mcp_26 * middle_mcp_4),
     );
-<<<<<<< HEAD
-    let middle_mcp_30 = neg_mul_add(
-        middle_pip_7,
-        middle_mcp_13,
-        L::splat(0.0446) * middle_pip_6,
-    );
-    let middle_mcp_31 = neg_mul_add(
-        middle_edc_17,
-        middle_edc_24,
-        neg_mul_add(
-            middle_fdp_19,
-            middle_fdp_29,
-            neg_mul_add(L::splat(0.5), middle_mcp_30, middle_mcp_29),
-        ),
-    );
-    matrix[136] = mul_add(middle_band_20, middle_band_30, middle_mcp_31);
-    let middle_mcp_32 = mul_add(
-        middle_ab_7,
-        index_fdp_25 * middle_ab_55,
-        middle_ab_12 * (index_fdp_25 * middle_ab_56),
-    );
-    let middle_mcp_33 = index_ab_37
-        * (middle_mcp_1 - mul_add(middle_ab_8, middle_ab_23, middle_ab_2 * middle_ab_4));
-    let middle_mcp_34 = mul_sub(
-        L::splat(0.0029463740860957233),
-        middle_ab_2,
-        middle_ab_4,
-    );
-    let middle_mcp_35 = mul_sub(
-        L::splat(7.748963846431752e-5),
-        sin_middle_pip,
-        middle_ab_23,
-    );
-    let middle_mcp_36 = index_fdp_25
-        * mul_add(middle_mcp_14, middle_mcp_34, middle_mcp_12 * middle_mcp_35);
-    let middle_mcp_37 = middle_mcp_36 - (middle_mcp_33 + middle_mcp_32);
-    let middle_mcp_38 = neg_mul_add(
-        middle_dip_3,
-        middle_ab_23,
-        middle_dip_4 * middle_ab_4,
-    ) + mul_sub(middle_ab_2, middle_dip_1, middle_ab_8 * middle_pip_1);
-    matrix[137] = mul_add(
-        middle_band_20,
-        middle_band_31,
-        neg_mul_add(
-            middle_fdp_19,
-            middle_fdp_31,
-            neg_mul_add(L::splat(0.5), middle_mcp_38, middle_mcp_37),
-        ),
-    );
-    matrix[160] = mul_add(
-        middle_band_13,
-        middle_band_30,
-        neg_mul_add(
-            middle_edc_12,
-            middle_edc_24,
-            mul_add(L::splat(0.5), middle_ab_54, middle_fdp_30),
-        ),
-    );
-    let middle_pip_11 = neg_mul_add(
-        middle_edc_17,
-        middle_edc_24,
-        neg_mul_add(
-            middle_fdp_19,
-            middle_fdp_29,
-            mul_add(L::splat(0.5), middle_mcp_30, middle_mcp_29),
-        ),
-    );
-    matrix[161] = mul_add(middle_band_20, middle_band_30, middle_pip_11);
-    let middle_pip_12 = mul_sub(
-        L::splat(0.00039083406893673523),
-        middle_ab_12,
-        mul_add(middle_ab_7, middle_mcp_13, middle_ab_12 * middle_mcp_10),
-    );
-    let middle_pip_13 = mul_add(
-        middle_pip_7,
-        index_fdp_25
-            * mul_add(L::splat(0.00039083406893673523), v_middle_mcp, middle_pip_2),
-        middle_pip_5 * (index_fdp_25 * middle_pip_12),
-    );
-    let middle_pip_14 = middle_pip_13 - middle_mcp_25
-        - mul_add(L::splat(0.0446), index_ab_37 * middle_mcp_27, middle_mcp_26);
-    let middle_fdp_35 = mul_add(
-        middle_fdp_20 * neg_mul_add(middle_fdp_21, middle_fdp_21, middle_fdp_13),
-        middle_fdp_25,
-        middle_fdp_21 * middle_fdp_29,
-    );
-    let middle_edc_27 = mul_add(
-        middle_edc_18 * neg_mul_add(middle_edc_19, middle_edc_19, middle_edc_13),
-        middle_edc_21,
-        middle_edc_19 * middle_edc_24,
-    );
-    let middle_band_34 = mul_add(
-        middle_band_21 * neg_mul_add(middle_band_22, middle_band_22, middle_band_14),
-        middle_band_27,
-        middle_band_22 * middle_band_30,
-    );
-    let middle_pip_15 = mul_add(index_fdp_25, middle_mcp_28, middle_pip_14)
-        - middle_fdp_35 - middle_edc_27 - middle_band_34;
-    matrix[162] = middle_pip_15 - c_4;
-    let middle_pip_16 = mul_sub(
-        L::splat(0.0029463740860957233),
-        middle_dip_2,
-        mul_add(middle_ab_7, middle_ab_23, middle_ab_12 * middle_ab_4),
-    );
-    let middle_pip_17 = index_fdp_25 * middle_pip_16;
-    let middle_pip_18 = index_fdp_25
-        * mul_add(L::splat(0.0029463740860957233), middle_dip_3, middle_pip_1);
-    let middle_pip_19 = index_ab_37 * middle_mcp_34;
-    let middle_pip_20 = mul_add(
-        middle_pip_7,
-        middle_pip_18,
-        middle_pip_5 * middle_pip_17,
-    ) - middle_mcp_32 - mul_add(L::splat(0.0446), middle_pip_19, middle_mcp_33);
-    let middle_pip_21 = middle_mcp_36 + middle_pip_20;
-    let middle_pip_22 = mul_add(
-        L::splat(0.0029463740860957233),
-        middle_dip_4,
-        middle_dip_1,
-    );
-    let middle_pip_23 = neg_mul_add(
-        middle_pip_7,
-        middle_mcp_35,
-        neg_mul_add(L::splat(0.0446), middle_pip_22, middle_mcp_38),
-    );
-    matrix[163] = neg_mul_add(
-        middle_band_22,
-        middle_band_31,
-        neg_mul_add(
-            middle_fdp_21,
-            middle_fdp_31,
-            neg_mul_add(L::splat(0.5), middle_pip_23, middle_pip_21),
-        ),
-    );
-    matrix[186] = mul_add(
-        middle_band_13,
-        middle_band_31,
-        mul_add(L::splat(0.5), middle_ab_57, middle_fdp_32),
-    );
-    matrix[187] = mul_add(
-        middle_band_20,
-        middle_band_31,
-        neg_mul_add(
-            middle_fdp_19,
-            middle_fdp_31,
-            mul_add(L::splat(0.5), middle_mcp_38, middle_mcp_37),
-        ),
-    );
-    matrix[188] = neg_mul_add(
-        middle_band_22,
-        middle_band_31,
-        neg_mul_add(
-            middle_fdp_21,
-            middle_fdp_31,
-            mul_add(L::splat(0.5), middle_pip_23, middle_pip_21),
-        ),
-    );
-    let middle_dip_8 = mul_add(
-        middle_dip_4,
-        index_fdp_25 * middle_pip_22,
-        mul_add(middle_dip_3, middle_pip_18, middle_dip_2 * middle_pip_17),
-    );
-    let middle_dip_9 = middle_mcp_33
-        + mul_add(middle_ab_8, index_ab_37 * middle_mcp_35, middle_ab_2 * middle_pip_19);
-    let middle_fdp_36 = mul_add(
-        middle_fdp_22 * neg_mul_add(middle_fdp_23, middle_fdp_23, middle_fdp_15),
-        middle_fdp_25,
-        middle_fdp_23 * middle_fdp_31,
-    );
-    let middle_band_35 = mul_add(
-        middle_band_24,
-        middle_band_31,
-        middle_band_23 * neg_mul_add(middle_band_24, middle_band_24, middle_band_16)
-            * middle_band_27,
-    );
-    let middle_dip_10 = middle_mcp_36 + (middle_dip_8 - middle_mcp_32 - middle_dip_9)
-        - middle_fdp_36 - middle_band_35;
-    matrix[189] = middle_dip_10 - c_4;
-    let ring_fdp_24 = mul_sub(
-        ring_fdp_9,
-        neg_mul_add(
-            ring_fdp_12,
-            ring_fdp_12,
-            mul_add(ring_fdp_2, ring_fdp_2, ring_fdp_5),
-        ),
-        mul_add(ring_fdp_2, ring_fdp_10, ring_fdp_4 * ring_fdp_11),
-    );
-    let ring_fdp_25 = index_fdp_25 * ring_fdp_17;
-    let ring_ab_34 = ring_ab_17 + ring_ab_6;
-    let ring_ab_35 = L::splat(6.855419880173114e-6) + ring_ab_34;
-    let ring_ab_36 = ring_ab_20 + ring_ab_11;
-    let ring_ab_37 = cos_ring_mcp
-        * (index_ab_37
-            * neg_mul_add(sin_ring_mcp, ring_ab_36, cos_ring_mcp * ring_ab_35));
-    let ring_ab_38 = ring_ab_30 + ring_ab_25;
-    let ring_ab_39 = L::splat(4.6933499864261383e-7) + ring_ab_38;
-    let ring_ab_40 = mul_sub(
-        sin_ring_mcp,
-        index_ab_37 * neg_mul_add(sin_ring_mcp, ring_ab_39, cos_ring_mcp * ring_ab_36),
-        ring_ab_37,
-    );
-    let ring_ab_41 = mul_sub(sin_ring_mcp, ring_mcp_13, cos_ring_mcp * ring_mcp_11);
-    let ring_ab_42 = neg_mul_add(
-        sin_ring_mcp,
-        index_fdp_25 * (ring_mcp_12 * ring_ab_41),
-        cos_ring_mcp * (index_fdp_25 * (ring_mcp_14 * ring_ab_41)),
-    );
-    let ring_ab_43 = ring_ab_40 + ring_ab_42
-        - mul_add(ring_fdp_24, ring_fdp_25, ring_fdp_12 * (ring_fdp_12 * index_fdp_27));
-    let ring_edc_20 = mul_sub(
-        ring_edc_9,
-        neg_mul_add(
-            ring_edc_12,
-            ring_edc_12,
-            mul_add(ring_edc_2, ring_edc_2, ring_edc_5),
-        ),
-        mul_add(ring_edc_2, ring_edc_10, ring_edc_4 * ring_edc_11),
-    );
-    let ring_edc_21 = index_fdp_25 * ring_edc_15;
-    let ring_ab_44 = ring_ab_43
-        - mul_add(ring_edc_12, ring_edc_12 * index_edc_22, ring_edc_20 * ring_edc_21);
-    let ring_interosseous_19 = neg_mul_add(
-        ring_interosseous_15,
-        ring_interosseous_15,
-=======
-    let middle_ab_27 = 0.5 * middle_ab_26;
+    let middle_ab_27 = L::splat(0.5) * middle_ab_26;
     let middle_ab_28 = mul_add(
         middle_mcp_6,
         middle_mcp_31,
         mul_add(middle_mcp_32, middle_ab_4, middle_ab_11 * middle_mcp_34),
     );
     let middle_ab_29 = mul_add(
-        0.5,
->>>>>>> work-a
+        L::splat(0.5),
         mul_add(
             middle_mcp_36,
             middle_ab_25,
@@ -9211,23 +4692,23 @@ pub fn evaluate_with_matrix(
         middle_ab_25,
         mul_add(middle_mcp_40, middle_ab_10, middle_mcp_9 * middle_mcp_39),
     );
-    let middle_ab_31 = mul_add(0.5, middle_ab_30, middle_ab_29);
+    let middle_ab_31 = mul_add(L::splat(0.5), middle_ab_30, middle_ab_29);
     matrix[109] = middle_ab_31 - middle_ab_24;
-    let middle_edc_22 = index_edc_19 * middle_edc_16;
-    let middle_fdp_26 = index_fdp_24 * middle_fdp_18;
-    let middle_band_28 = index_interosseous_17 * middle_band_19;
+    let middle_edc_22 = middle_edc_16 * index_edc_19;
+    let middle_fdp_26 = middle_fdp_18 * index_fdp_24;
+    let middle_band_28 = middle_band_19 * index_interosseous_17;
     let middle_ab_32 = mul_add(
         middle_band_11,
         middle_band_28,
-        mul_sub(middle_fdp_15, middle_fdp_26, middle_edc_10 * middle_edc_22),
+        neg_mul_add(middle_edc_10, middle_edc_22, middle_fdp_15 * middle_fdp_26),
     );
     matrix[110] = middle_ab_29 + middle_ab_32;
-    let middle_band_29 = index_interosseous_17 * middle_band_21;
-    let middle_fdp_27 = index_fdp_24 * middle_fdp_20;
+    let middle_band_29 = middle_band_21 * index_interosseous_17;
+    let middle_fdp_27 = middle_fdp_20 * index_fdp_24;
     let middle_ab_33 = mul_add(
-        middle_fdp_15,
-        middle_fdp_27,
-        middle_band_11 * middle_band_29,
+        middle_band_11,
+        middle_band_29,
+        middle_fdp_15 * middle_fdp_27,
     );
     matrix[111] = middle_ab_27 + middle_ab_33;
     matrix[134] = -(middle_ab_31 + middle_ab_24);
@@ -9236,15 +4717,15 @@ pub fn evaluate_with_matrix(
         middle_mcp_31,
         mul_add(middle_mcp_13, middle_mcp_3, middle_mcp_15 * middle_mcp_5),
     );
-    let middle_mcp_46 = 2.0 * middle_mcp_29;
+    let middle_mcp_46 = L::splat(2.0) * middle_mcp_29;
     let middle_mcp_47 = mul_add(
         index_fdp_21,
         mul_add(
-            0.0002514641891260117,
+            L::splat(0.0002514641891260117),
             middle_ab_15,
             mul_add(middle_ab_17, middle_mcp_46, middle_mcp_45),
         ),
-        3.33441155323453e-7 * index_ab_20,
+        L::splat(3.33441155323453e-7) * index_ab_20,
     );
     let middle_mcp_48 = mul_add(
         middle_mcp_12,
@@ -9269,8 +4750,8 @@ pub fn evaluate_with_matrix(
     ) + mul_add(middle_mcp_25, middle_mcp_38, middle_mcp_51);
     let middle_mcp_53 = mul_add(
         index_fdp_21,
-        mul_add(0.00151053916868412, middle_ab_1, middle_mcp_52),
-        3.472167765770182e-6 * index_ab_20,
+        mul_add(L::splat(0.00151053916868412), middle_ab_1, middle_mcp_52),
+        L::splat(3.472167765770182e-6) * index_ab_20,
     );
     let middle_mcp_54 = middle_mcp_49 - middle_mcp_53 + middle_mcp_50;
     let middle_mcp_55 = mul_add(
@@ -9298,36 +4779,36 @@ pub fn evaluate_with_matrix(
     let middle_mcp_61 = mul_add(
         index_fdp_21,
         mul_add(
-            0.006565174063910105,
+            L::splat(0.006565174063910105),
             sin_middle_mcp,
             mul_add(middle_ab_13, middle_mcp_46, middle_mcp_60),
         ),
-        2.5961728691733047e-5 * index_ab_20,
+        L::splat(2.5961728691733047e-5) * index_ab_20,
     );
     let middle_fdp_28 = mul_add(
-        middle_fdp_16,
-        middle_fdp_25,
-        mul_sub(0.011, middle_fdp_5, middle_fdp_24) * middle_fdp_22,
+        mul_sub(L::splat(0.011), middle_fdp_5, middle_fdp_24),
+        middle_fdp_22,
+        middle_fdp_16 * middle_fdp_25,
     );
     let middle_edc_23 = mul_add(
         middle_edc_14,
         middle_edc_21,
-        mul_sub(0.011, middle_edc_5, middle_edc_20) * middle_edc_18,
+        mul_sub(L::splat(0.011), middle_edc_5, middle_edc_20) * middle_edc_18,
     );
     let middle_interosseous_23 = mul_add(
         middle_interosseous_17,
         middle_interosseous_22,
-        mul_add(0.001, middle_interosseous_10, middle_interosseous_20)
+        mul_add(L::splat(0.001), middle_interosseous_10, middle_interosseous_20)
             * middle_interosseous_18,
     );
     let middle_mcp_62 = middle_mcp_58 - middle_mcp_61 + middle_mcp_59 - middle_fdp_28
         - middle_edc_23 - middle_interosseous_23;
     let middle_band_30 = mul_add(
-        middle_band_17,
-        middle_band_27,
-        mul_sub(0.005, middle_band_6, middle_band_25) * middle_band_23,
+        mul_sub(L::splat(0.005), middle_band_6, middle_band_25),
+        middle_band_23,
+        middle_band_17 * middle_band_27,
     );
-    matrix[135] = middle_mcp_62 - middle_band_30 - value_0;
+    matrix[135] = middle_mcp_62 - middle_band_30 - c_4;
     let middle_mcp_63 = mul_add(
         middle_band_17,
         middle_band_28,
@@ -9337,29 +4818,15 @@ pub fn evaluate_with_matrix(
             neg_mul_add(middle_fdp_16, middle_fdp_26, middle_mcp_59),
         ),
     );
-<<<<<<< HEAD
-    let ring_interosseous_21 = index_fdp_25 * ring_interosseous_16;
-    let ring_ab_45 = ring_ab_44
-        - mul_add(
-            ring_interosseous_15,
-            ring_interosseous_15 * index_interosseous_22,
-            ring_interosseous_20 * ring_interosseous_21,
-        );
-    let ring_band_25 = neg_mul_add(
-        ring_band_13,
-        ring_band_13,
-        mul_add(ring_band_4, ring_band_4, ring_band_1 * ring_band_1),
-=======
     let middle_mcp_64 = neg_mul_add(
         middle_mcp_9,
         middle_ab_4,
         middle_ab_11 * middle_mcp_4,
-    ) * (0.5 * (v_middle_mcp + middle_mcp_2));
+    ) * (L::splat(0.5) * (v_middle_mcp + middle_mcp_2));
     let middle_mcp_65 = mul_add(
         neg_mul_add(middle_mcp_9, middle_ab_9, middle_ab_11 * middle_mcp_8),
-        0.5 * (v_middle_mcp + middle_mcp_1),
+        L::splat(0.5) * (v_middle_mcp + middle_mcp_1),
         middle_mcp_64,
->>>>>>> work-a
     );
     matrix[136] = middle_mcp_65 + middle_mcp_63;
     let middle_mcp_66 = mul_add(
@@ -9371,31 +4838,30 @@ pub fn evaluate_with_matrix(
         middle_mcp_6,
         middle_ab_4,
         middle_ab_5 * middle_mcp_4,
-    ) * (0.5 * (middle_mcp_1 + middle_mcp_2));
+    ) * (L::splat(0.5) * (middle_mcp_1 + middle_mcp_2));
     let middle_mcp_68 = middle_mcp_64 + middle_mcp_67;
     matrix[137] = middle_mcp_68 + middle_mcp_66;
     matrix[160] = middle_ab_32 - middle_ab_29;
     matrix[161] = middle_mcp_63 - middle_mcp_65;
     let middle_fdp_29 = middle_fdp_17 * middle_fdp_21;
     let middle_fdp_30 = mul_add(
-        middle_fdp_18,
-        middle_fdp_18 * (index_fdp_24 - middle_fdp_29),
-        0.5 * middle_fdp_9 * middle_fdp_29,
+        L::splat(0.5) * middle_fdp_9,
+        middle_fdp_29,
+        middle_fdp_18 * (middle_fdp_18 * (index_fdp_24 - middle_fdp_29)),
     );
     let middle_edc_24 = middle_edc_15 * middle_edc_17;
     let middle_edc_25 = mul_add(
         middle_edc_16,
         middle_edc_16 * (index_edc_19 - middle_edc_24),
-        0.5 * middle_edc_11 * middle_edc_24,
+        L::splat(0.5) * middle_edc_11 * middle_edc_24,
     );
     let middle_band_31 = middle_band_18 * middle_band_22;
     let middle_band_32 = mul_add(
-        middle_band_19,
-        middle_band_19 * (index_interosseous_17 - middle_band_31),
-        0.5 * middle_band_12 * middle_band_31,
+        L::splat(0.5) * middle_band_12,
+        middle_band_31,
+        middle_band_19 * (middle_band_19 * (index_interosseous_17 - middle_band_31)),
     );
-    matrix[162] = middle_mcp_54 - middle_fdp_30 - middle_edc_25 - middle_band_32
-        - value_0;
+    matrix[162] = middle_mcp_54 - middle_fdp_30 - middle_edc_25 - middle_band_32 - c_4;
     let middle_pip_2 = neg_mul_add(
         middle_band_19,
         middle_band_29,
@@ -9407,17 +4873,17 @@ pub fn evaluate_with_matrix(
     matrix[188] = middle_pip_2 - middle_mcp_67;
     let middle_fdp_31 = middle_fdp_19 * middle_fdp_21;
     let middle_fdp_32 = mul_add(
-        middle_fdp_20,
-        middle_fdp_20 * (index_fdp_24 - middle_fdp_31),
-        0.5 * middle_fdp_11 * middle_fdp_31,
+        L::splat(0.5) * middle_fdp_11,
+        middle_fdp_31,
+        middle_fdp_20 * (middle_fdp_20 * (index_fdp_24 - middle_fdp_31)),
     );
     let middle_band_33 = middle_band_20 * middle_band_22;
     let middle_band_34 = mul_add(
         middle_band_21,
         middle_band_21 * (index_interosseous_17 - middle_band_33),
-        0.5 * middle_band_14 * middle_band_33,
+        L::splat(0.5) * middle_band_14 * middle_band_33,
     );
-    matrix[189] = -(middle_band_34 + (middle_fdp_32 + middle_mcp_47) + value_0);
+    matrix[189] = -(c_4 + (middle_mcp_47 + middle_fdp_32 + middle_band_34));
     let ring_fdp_21 = index_fdp_21 * ring_fdp_15;
     let ring_fdp_22 = ring_fdp_9 * ring_fdp_21;
     let ring_fdp_23 = index_fdp_24 - ring_fdp_22;
@@ -9425,76 +4891,44 @@ pub fn evaluate_with_matrix(
     let ring_ab_20 = mul_add(
         index_ab_20,
         ring_ab_18,
-        mul_sub(ring_fdp_10, ring_fdp_10 * ring_fdp_23, ring_fdp_24 * ring_fdp_22),
+        neg_mul_add(ring_fdp_24, ring_fdp_22, ring_fdp_10 * (ring_fdp_10 * ring_fdp_23)),
     );
     let ring_edc_17 = index_fdp_21 * ring_edc_13;
     let ring_edc_18 = ring_edc_9 * ring_edc_17;
     let ring_edc_19 = index_edc_19 - ring_edc_18;
     let ring_edc_20 = ring_edc_2 * ring_edc_1;
-    let ring_ab_21 = mul_sub(
-        ring_edc_10,
-        ring_edc_10 * ring_edc_19,
-        ring_edc_20 * ring_edc_18,
-    ) + ring_ab_20;
+    let ring_ab_21 = ring_ab_20
+        + neg_mul_add(
+            ring_edc_20,
+            ring_edc_18,
+            ring_edc_10 * (ring_edc_10 * ring_edc_19),
+        );
     let ring_interosseous_16 = ring_interosseous_12
         * (index_fdp_21 * ring_interosseous_14);
     let ring_interosseous_17 = index_interosseous_17 - ring_interosseous_16;
     let ring_interosseous_18 = ring_interosseous_3 * ring_interosseous_2;
-    let ring_interosseous_19 = mul_sub(
-        ring_interosseous_13,
-        ring_interosseous_13 * ring_interosseous_17,
-        mul_add(0.01, ring_interosseous_5, ring_interosseous_18) * ring_interosseous_16,
+    let ring_interosseous_19 = neg_mul_add(
+        mul_add(L::splat(0.01), ring_interosseous_5, ring_interosseous_18),
+        ring_interosseous_16,
+        ring_interosseous_13 * (ring_interosseous_13 * ring_interosseous_17),
     );
     let ring_band_22 = index_fdp_21 * ring_band_16;
     let ring_band_23 = ring_band_10 * ring_band_22;
     let ring_band_24 = index_interosseous_17 - ring_band_23;
     let ring_band_25 = ring_band_1 * ring_band_2;
     let ring_band_26 = mul_add(
-        ring_band_11,
-        ring_band_11 * ring_band_24,
-        mul_add(0.009, ring_band_4, ring_band_25) * ring_band_23,
+        mul_add(L::splat(0.009), ring_band_4, ring_band_25),
+        ring_band_23,
+        ring_band_11 * (ring_band_11 * ring_band_24),
     );
-<<<<<<< HEAD
-    let ring_band_27 = index_fdp_25 * ring_band_18;
-    let ring_ab_46 = ring_ab_45
-        - mul_add(
-            ring_band_13,
-            ring_band_13 * index_interosseous_22,
-            ring_band_26 * ring_band_27,
-        );
-    matrix[216] = ring_ab_46 - c_4;
-    let ring_fdp_26 = ring_fdp_9
-        * mul_add(ring_fdp_4, ring_fdp_6, ring_fdp_12 * ring_fdp_19) * ring_fdp_25;
-    let ring_fdp_27 = ring_fdp_19 * index_fdp_27;
-    let ring_fdp_28 = neg_mul_add(ring_fdp_12, ring_fdp_27, ring_fdp_26);
-    let ring_ab_47 = ring_ab_7 * ring_ab_36;
-    let ring_ab_48 = ring_ab_32 + mul_add(ring_ab_12, ring_ab_35, ring_ab_47);
-    let ring_ab_49 = ring_ab_12 * ring_ab_36;
-    let ring_ab_50 = ring_ab_22 - mul_add(ring_ab_7, ring_ab_39, ring_ab_49);
-    let ring_ab_51 = mul_add(sin_ring_mcp, ring_ab_50, cos_ring_mcp * ring_ab_48);
-    let ring_edc_22 = ring_edc_17 * index_edc_22;
-    let ring_edc_23 = neg_mul_add(
-        ring_edc_9 * mul_add(ring_edc_4, ring_edc_6, ring_edc_12 * ring_edc_17),
-        ring_edc_21,
-        ring_edc_12 * ring_edc_22,
-    );
-    let ring_interosseous_22 = ring_interosseous_12
-        * mul_sub(
-            ring_interosseous_5,
-            ring_interosseous_8,
-            ring_interosseous_15 * ring_interosseous_18,
-        ) * ring_interosseous_21;
-    let ring_interosseous_23 = ring_interosseous_18 * index_interosseous_22;
-    let ring_interosseous_24 = mul_add(
-=======
-    matrix[216] = -(ring_band_26 + (ring_interosseous_19 + ring_ab_21) + value_0);
+    matrix[216] = -(c_4 + (ring_band_26 + (ring_ab_21 + ring_interosseous_19)));
     let ring_fdp_25 = ring_fdp_16 * ring_fdp_23;
     let ring_edc_21 = ring_edc_14 * ring_edc_19;
     let ring_ab_22 = neg_mul_add(
-        ring_fdp_10,
-        ring_fdp_25,
-        ring_fdp_4 * ring_fdp_5 * ring_fdp_22,
-    ) + mul_sub(ring_edc_10, ring_edc_21, ring_edc_4 * ring_edc_5 * ring_edc_18);
+        ring_edc_4 * ring_edc_5,
+        ring_edc_18,
+        ring_edc_10 * ring_edc_21,
+    ) + neg_mul_add(ring_fdp_10, ring_fdp_25, ring_fdp_4 * ring_fdp_5 * ring_fdp_22);
     let ring_interosseous_20 = ring_interosseous_15 * ring_interosseous_17;
     let ring_ab_23 = mul_add(
         ring_interosseous_13,
@@ -9507,20 +4941,20 @@ pub fn evaluate_with_matrix(
         ring_band_27,
         ring_band_4 * ring_band_6 * ring_band_23,
     ) + ring_ab_23;
-    let ring_ab_25 = 2.0 * v_ring_ab;
+    let ring_ab_25 = L::splat(2.0) * v_ring_ab;
     let ring_ab_26 = mul_add(
         ring_mcp_28,
         ring_ab_25,
         mul_add(ring_ab_11 + ring_ab_5, ring_mcp_23, ring_mcp_26 * ring_mcp_4),
     );
-    let ring_ab_27 = 0.5 * ring_ab_26;
+    let ring_ab_27 = L::splat(0.5) * ring_ab_26;
     let ring_ab_28 = mul_add(
         ring_mcp_6,
         ring_mcp_31,
         mul_add(ring_mcp_32, ring_ab_4, ring_ab_11 * ring_mcp_34),
     );
     let ring_ab_29 = mul_add(
-        0.5,
+        L::splat(0.5),
         mul_add(ring_mcp_36, ring_ab_25, mul_add(ring_mcp_25, ring_mcp_8, ring_ab_28)),
         ring_ab_27,
     );
@@ -9529,20 +4963,20 @@ pub fn evaluate_with_matrix(
         ring_ab_25,
         mul_add(ring_mcp_40, ring_ab_10, ring_mcp_9 * ring_mcp_39),
     );
-    let ring_ab_31 = mul_add(0.5, ring_ab_30, ring_ab_29);
+    let ring_ab_31 = mul_add(L::splat(0.5), ring_ab_30, ring_ab_29);
     matrix[217] = ring_ab_31 - ring_ab_24;
-    let ring_edc_22 = index_edc_19 * ring_edc_16;
-    let ring_fdp_26 = index_fdp_24 * ring_fdp_18;
-    let ring_band_28 = index_interosseous_17 * ring_band_19;
+    let ring_edc_22 = ring_edc_16 * index_edc_19;
+    let ring_fdp_26 = ring_fdp_18 * index_fdp_24;
+    let ring_band_28 = ring_band_19 * index_interosseous_17;
     let ring_ab_32 = neg_mul_add(
         ring_band_11,
         ring_band_28,
-        mul_sub(ring_fdp_10, ring_fdp_26, ring_edc_10 * ring_edc_22),
+        neg_mul_add(ring_edc_10, ring_edc_22, ring_fdp_10 * ring_fdp_26),
     );
     matrix[218] = ring_ab_29 + ring_ab_32;
-    let ring_band_29 = index_interosseous_17 * ring_band_21;
-    let ring_fdp_27 = index_fdp_24 * ring_fdp_20;
-    let ring_ab_33 = mul_sub(ring_fdp_10, ring_fdp_27, ring_band_11 * ring_band_29);
+    let ring_band_29 = ring_band_21 * index_interosseous_17;
+    let ring_fdp_27 = ring_fdp_20 * index_fdp_24;
+    let ring_ab_33 = neg_mul_add(ring_band_11, ring_band_29, ring_fdp_10 * ring_fdp_27);
     matrix[219] = ring_ab_27 + ring_ab_33;
     matrix[242] = -(ring_ab_31 + ring_ab_24);
     let ring_mcp_45 = mul_add(
@@ -9550,15 +4984,15 @@ pub fn evaluate_with_matrix(
         ring_mcp_31,
         mul_add(ring_mcp_13, ring_mcp_3, ring_mcp_15 * ring_mcp_5),
     );
-    let ring_mcp_46 = 2.0 * ring_mcp_29;
+    let ring_mcp_46 = L::splat(2.0) * ring_mcp_29;
     let ring_mcp_47 = mul_add(
         index_fdp_21,
         mul_add(
-            0.0002485821018745014,
+            L::splat(0.0002485821018745014),
             ring_ab_15,
             mul_add(ring_ab_17, ring_mcp_46, ring_mcp_45),
         ),
-        3.2813644020162447e-7 * index_ab_20,
+        L::splat(3.2813644020162447e-7) * index_ab_20,
     );
     let ring_mcp_48 = mul_add(ring_mcp_12, ring_mcp_3, ring_mcp_14 * ring_mcp_5);
     let ring_mcp_49 = mul_sub(
@@ -9575,8 +5009,8 @@ pub fn evaluate_with_matrix(
     ) + mul_add(ring_mcp_25, ring_mcp_38, ring_mcp_51);
     let ring_mcp_53 = mul_add(
         index_fdp_21,
-        mul_add(0.0014550809823185, ring_ab_1, ring_mcp_52),
-        3.277223709699705e-6 * index_ab_20,
+        mul_add(L::splat(0.0014550809823185), ring_ab_1, ring_mcp_52),
+        L::splat(3.277223709699705e-6) * index_ab_20,
     );
     let ring_mcp_54 = ring_mcp_49 - ring_mcp_53 + ring_mcp_50;
     let ring_mcp_55 = mul_add(
@@ -9604,156 +5038,36 @@ pub fn evaluate_with_matrix(
     let ring_mcp_61 = mul_add(
         index_fdp_21,
         mul_add(
-            0.005851465320196041,
+            L::splat(0.005851465320196041),
             sin_ring_mcp,
             mul_add(ring_ab_13, ring_mcp_46, ring_mcp_60),
         ),
-        2.16185486234842e-5 * index_ab_20,
+        L::splat(2.16185486234842e-5) * index_ab_20,
     );
     let ring_fdp_28 = mul_add(
-        ring_fdp_16,
-        ring_fdp_25,
-        mul_sub(0.011, ring_fdp_5, ring_fdp_24) * ring_fdp_22,
+        mul_sub(L::splat(0.011), ring_fdp_5, ring_fdp_24),
+        ring_fdp_22,
+        ring_fdp_16 * ring_fdp_25,
     );
     let ring_edc_23 = mul_add(
         ring_edc_14,
         ring_edc_21,
-        mul_sub(0.011, ring_edc_5, ring_edc_20) * ring_edc_18,
+        mul_sub(L::splat(0.011), ring_edc_5, ring_edc_20) * ring_edc_18,
     );
     let ring_interosseous_21 = mul_add(
->>>>>>> work-a
         ring_interosseous_15,
         ring_interosseous_20,
-        mul_sub(0.001, ring_interosseous_8, ring_interosseous_18) * ring_interosseous_16,
+        mul_sub(L::splat(0.001), ring_interosseous_8, ring_interosseous_18)
+            * ring_interosseous_16,
     );
-<<<<<<< HEAD
-    let ring_band_28 = ring_band_10
-        * mul_add(ring_band_4, ring_band_6, ring_band_13 * ring_band_20) * ring_band_27;
-    let ring_band_29 = ring_band_20 * index_interosseous_22;
-    let ring_band_30 = neg_mul_add(ring_band_13, ring_band_29, ring_band_28);
-    matrix[217] = mul_sub(L::splat(0.5), ring_ab_51, ring_fdp_28) - ring_edc_23
-        - ring_interosseous_24 - ring_band_30;
-    let ring_ab_52 = mul_sub(
-        ring_pip_5,
-        ring_mcp_13,
-        mul_add(ring_ab_7, ring_ab_38, ring_ab_49),
-    ) + mul_add(L::splat(0.0414), ring_pip_4, ring_ab_21);
-    let ring_ab_53 = mul_sub(
-        ring_pip_5,
-        ring_mcp_10,
-        mul_add(ring_ab_12, ring_ab_34, ring_ab_47),
-    ) - ring_ab_31;
-    let ring_ab_54 = neg_mul_add(sin_ring_mcp, ring_ab_52, cos_ring_mcp * ring_ab_53);
-    let ring_fdp_29 = ring_fdp_21 * index_fdp_27;
-    let ring_fdp_30 = ring_fdp_12 * ring_fdp_29;
-    let ring_edc_24 = ring_edc_19 * index_edc_22;
-    let ring_band_31 = ring_band_22 * index_interosseous_22;
-    matrix[218] = neg_mul_add(
-        ring_band_13,
-        ring_band_31,
-        neg_mul_add(
-            ring_edc_12,
-            ring_edc_24,
-            neg_mul_add(L::splat(0.5), ring_ab_54, ring_fdp_30),
-        ),
-    );
-    let ring_ab_55 = mul_sub(
-        ring_dip_2,
-        ring_ab_23,
-        mul_add(ring_ab_7, ring_ab_25, ring_ab_13),
-    ) + mul_add(ring_ab_2, ring_pip_3, ring_ab_14);
-    let ring_ab_56 = mul_sub(
-        ring_dip_2,
-        ring_ab_4,
-        mul_add(ring_ab_12, ring_ab_6, ring_ab_26),
-    ) - mul_add(ring_ab_8, ring_pip_3, ring_ab_27);
-    let ring_ab_57 = neg_mul_add(sin_ring_mcp, ring_ab_55, cos_ring_mcp * ring_ab_56);
-    let ring_fdp_31 = ring_fdp_23 * index_fdp_27;
-    let ring_fdp_32 = ring_fdp_12 * ring_fdp_31;
-    let ring_band_32 = ring_band_24 * index_interosseous_22;
-    matrix[219] = neg_mul_add(
-        ring_band_13,
-        ring_band_32,
-        neg_mul_add(L::splat(0.5), ring_ab_57, ring_fdp_32),
-    );
-    let ring_mcp_18 = ring_band_30
-        + (ring_interosseous_24
-            + (ring_edc_23 + mul_add(L::splat(0.5), ring_ab_51, ring_fdp_28)));
-    matrix[242] = -ring_mcp_18;
-    let ring_fdp_33 = neg_mul_add(
-        ring_fdp_19,
-        ring_fdp_19,
-        mul_add(ring_fdp_6, ring_fdp_6, ring_fdp_1 * ring_fdp_1),
-    );
-    let ring_fdp_34 = mul_add(
-        ring_fdp_9,
-        ring_fdp_33,
-        neg_mul_add(ring_fdp_1, ring_fdp_10, ring_fdp_6 * ring_fdp_18),
-    );
-    let ring_mcp_19 = neg_mul_add(
-        ring_ab_7,
-        index_fdp_25 * ring_ab_50,
-        ring_ab_12 * (index_fdp_25 * ring_ab_48),
-    );
-    let ring_mcp_20 = ring_mcp_8 + ring_mcp_1;
-    let ring_mcp_21 = ring_mcp_13 * ring_mcp_12;
-    let ring_mcp_22 = mul_add(
-        index_fdp_25,
-        mul_sub(
-            ring_mcp_14,
-            L::splat(-0.00023988233263955822) - ring_mcp_10,
-            ring_mcp_21,
-        ),
-        neg_mul_add(
-            index_ab_37,
-            L::splat(6.855419880173114e-6) + ring_mcp_20,
-            ring_mcp_19,
-        ),
-    );
-    let ring_edc_25 = neg_mul_add(
-        ring_edc_17,
-        ring_edc_17,
-        mul_add(ring_edc_6, ring_edc_6, ring_edc_1 * ring_edc_1),
-    );
-    let ring_edc_26 = mul_sub(
-        ring_edc_9,
-        ring_edc_25,
-        mul_add(ring_edc_1, ring_edc_10, ring_edc_6 * ring_edc_16),
-    );
-    let ring_mcp_23 = ring_mcp_22
-        - mul_add(ring_fdp_34, ring_fdp_25, ring_fdp_19 * ring_fdp_27)
-        - mul_add(ring_edc_26, ring_edc_21, ring_edc_17 * ring_edc_22);
-    let ring_interosseous_25 = neg_mul_add(
-        ring_interosseous_18,
-        ring_interosseous_18,
-        mul_add(
-            ring_interosseous_8,
-            ring_interosseous_8,
-            ring_interosseous_2 * ring_interosseous_2,
-        ),
-    );
-    let ring_interosseous_26 = mul_add(
-        ring_interosseous_12,
-        ring_interosseous_25,
-        neg_mul_add(
-            ring_interosseous_2,
-            ring_interosseous_13,
-            ring_interosseous_8 * ring_interosseous_17,
-        ),
-    );
-    let ring_band_33 = neg_mul_add(
-        ring_band_20,
-        ring_band_20,
-        mul_add(ring_band_6, ring_band_6, ring_band_2 * ring_band_2),
-=======
     let ring_mcp_62 = ring_mcp_58 - ring_mcp_61 + ring_mcp_59 - ring_fdp_28 - ring_edc_23
         - ring_interosseous_21;
     let ring_band_30 = mul_add(
-        ring_band_17,
-        ring_band_27,
-        mul_add(0.005, ring_band_6, ring_band_25) * ring_band_23,
+        mul_add(L::splat(0.005), ring_band_6, ring_band_25),
+        ring_band_23,
+        ring_band_17 * ring_band_27,
     );
-    matrix[243] = ring_mcp_62 - ring_band_30 - value_0;
+    matrix[243] = ring_mcp_62 - ring_band_30 - c_4;
     let ring_mcp_63 = mul_add(
         ring_band_17,
         ring_band_28,
@@ -9764,10 +5078,10 @@ pub fn evaluate_with_matrix(
         ),
     );
     let ring_mcp_64 = neg_mul_add(ring_mcp_9, ring_ab_4, ring_ab_11 * ring_mcp_4)
-        * (0.5 * (v_ring_mcp + ring_mcp_2));
+        * (L::splat(0.5) * (v_ring_mcp + ring_mcp_2));
     let ring_mcp_65 = mul_add(
         neg_mul_add(ring_mcp_9, ring_ab_9, ring_ab_11 * ring_mcp_8),
-        0.5 * (v_ring_mcp + ring_mcp_1),
+        L::splat(0.5) * (v_ring_mcp + ring_mcp_1),
         ring_mcp_64,
     );
     matrix[244] = ring_mcp_65 + ring_mcp_63;
@@ -9777,7 +5091,7 @@ pub fn evaluate_with_matrix(
         neg_mul_add(ring_fdp_16, ring_fdp_27, ring_mcp_56 + ring_mcp_50),
     );
     let ring_mcp_67 = neg_mul_add(ring_mcp_6, ring_ab_4, ring_ab_5 * ring_mcp_4)
-        * (0.5 * (ring_mcp_1 + ring_mcp_2));
+        * (L::splat(0.5) * (ring_mcp_1 + ring_mcp_2));
     let ring_mcp_68 = ring_mcp_64 + ring_mcp_67;
     matrix[245] = ring_mcp_68 + ring_mcp_66;
     matrix[268] = ring_ab_32 - ring_ab_29;
@@ -9786,21 +5100,21 @@ pub fn evaluate_with_matrix(
     let ring_fdp_30 = mul_add(
         ring_fdp_18,
         ring_fdp_18 * (index_fdp_24 - ring_fdp_29),
-        0.5 * ring_fdp_11 * ring_fdp_29,
+        L::splat(0.5) * ring_fdp_11 * ring_fdp_29,
     );
     let ring_edc_24 = ring_edc_15 * ring_edc_17;
     let ring_edc_25 = mul_add(
         ring_edc_16,
         ring_edc_16 * (index_edc_19 - ring_edc_24),
-        0.5 * ring_edc_11 * ring_edc_24,
+        L::splat(0.5) * ring_edc_11 * ring_edc_24,
     );
     let ring_band_31 = ring_band_18 * ring_band_22;
     let ring_band_32 = mul_add(
         ring_band_19,
         ring_band_19 * (index_interosseous_17 - ring_band_31),
-        0.5 * ring_band_12 * ring_band_31,
+        L::splat(0.5) * ring_band_12 * ring_band_31,
     );
-    matrix[270] = ring_mcp_54 - ring_fdp_30 - ring_edc_25 - ring_band_32 - value_0;
+    matrix[270] = ring_mcp_54 - ring_fdp_30 - ring_edc_25 - ring_band_32 - c_4;
     let ring_pip_2 = neg_mul_add(
         ring_band_19,
         ring_band_29,
@@ -9814,251 +5128,15 @@ pub fn evaluate_with_matrix(
     let ring_fdp_32 = mul_add(
         ring_fdp_20,
         ring_fdp_20 * (index_fdp_24 - ring_fdp_31),
-        0.5 * ring_fdp_13 * ring_fdp_31,
->>>>>>> work-a
+        L::splat(0.5) * ring_fdp_13 * ring_fdp_31,
     );
     let ring_band_33 = ring_band_20 * ring_band_22;
     let ring_band_34 = mul_add(
-        ring_band_21,
-        ring_band_21 * (index_interosseous_17 - ring_band_33),
-        0.5 * ring_band_14 * ring_band_33,
+        L::splat(0.5) * ring_band_14,
+        ring_band_33,
+        ring_band_21 * (ring_band_21 * (index_interosseous_17 - ring_band_33)),
     );
-<<<<<<< HEAD
-    let ring_mcp_24 = ring_mcp_23
-        - mul_add(
-            ring_interosseous_18,
-            ring_interosseous_23,
-            ring_interosseous_26 * ring_interosseous_21,
-        ) - mul_add(ring_band_34, ring_band_27, ring_band_20 * ring_band_29);
-    matrix[243] = ring_mcp_24 - c_4;
-    let ring_mcp_25 = mul_add(
-        ring_ab_7,
-        index_fdp_25 * ring_ab_52,
-        ring_ab_12 * (index_fdp_25 * ring_ab_53),
-    );
-    let ring_mcp_26 = index_ab_37
-        * neg_mul_add(L::splat(0.0414), ring_mcp_10, ring_mcp_20);
-    let ring_mcp_27 = L::splat(0.0003565973126403644) - ring_mcp_10;
-    let ring_mcp_28 = mul_sub(ring_mcp_14, ring_mcp_27, ring_mcp_21);
-    let ring_mcp_29 = mul_sub(index_fdp_25, ring_mcp_28, ring_mcp_26 + ring_mcp_25);
-    let ring_mcp_30 = neg_mul_add(
-        ring_pip_7,
-        ring_mcp_13,
-        L::splat(0.0414) * ring_pip_6,
-    );
-    let ring_mcp_31 = neg_mul_add(
-        ring_edc_17,
-        ring_edc_24,
-        neg_mul_add(
-            ring_fdp_19,
-            ring_fdp_29,
-            neg_mul_add(L::splat(0.5), ring_mcp_30, ring_mcp_29),
-        ),
-    );
-    matrix[244] = mul_add(ring_band_20, ring_band_31, ring_mcp_31);
-    let ring_mcp_32 = mul_add(
-        ring_ab_7,
-        index_fdp_25 * ring_ab_55,
-        ring_ab_12 * (index_fdp_25 * ring_ab_56),
-    );
-    let ring_mcp_33 = index_ab_37
-        * (ring_mcp_1 - mul_add(ring_ab_8, ring_ab_23, ring_ab_2 * ring_ab_4));
-    let ring_mcp_34 = mul_sub(L::splat(0.0029294409016928746), ring_ab_2, ring_ab_4);
-    let ring_mcp_35 = mul_sub(L::splat(7.528663117350688e-5), sin_ring_pip, ring_ab_23);
-    let ring_mcp_36 = index_fdp_25
-        * mul_add(ring_mcp_14, ring_mcp_34, ring_mcp_12 * ring_mcp_35);
-    let ring_mcp_37 = ring_mcp_36 - (ring_mcp_33 + ring_mcp_32);
-    let ring_mcp_38 = neg_mul_add(ring_dip_3, ring_ab_23, ring_dip_4 * ring_ab_4)
-        + mul_sub(ring_ab_2, ring_dip_1, ring_ab_8 * ring_pip_1);
-    matrix[245] = mul_add(
-        ring_band_20,
-        ring_band_32,
-        neg_mul_add(
-            ring_fdp_19,
-            ring_fdp_31,
-            neg_mul_add(L::splat(0.5), ring_mcp_38, ring_mcp_37),
-        ),
-    );
-    matrix[268] = neg_mul_add(
-        ring_band_13,
-        ring_band_31,
-        neg_mul_add(
-            ring_edc_12,
-            ring_edc_24,
-            mul_add(L::splat(0.5), ring_ab_54, ring_fdp_30),
-        ),
-    );
-    let ring_pip_11 = neg_mul_add(
-        ring_edc_17,
-        ring_edc_24,
-        neg_mul_add(
-            ring_fdp_19,
-            ring_fdp_29,
-            mul_add(L::splat(0.5), ring_mcp_30, ring_mcp_29),
-        ),
-    );
-    matrix[269] = mul_add(ring_band_20, ring_band_31, ring_pip_11);
-    let ring_pip_12 = mul_sub(
-        L::splat(0.0003565973126403644),
-        ring_ab_12,
-        mul_add(ring_ab_7, ring_mcp_13, ring_ab_12 * ring_mcp_10),
-    );
-    let ring_pip_13 = mul_add(
-        ring_pip_7,
-        index_fdp_25 * mul_add(L::splat(0.0003565973126403644), v_ring_mcp, ring_pip_2),
-        ring_pip_5 * (index_fdp_25 * ring_pip_12),
-    );
-    let ring_pip_14 = ring_pip_13 - ring_mcp_25
-        - mul_add(L::splat(0.0414), index_ab_37 * ring_mcp_27, ring_mcp_26);
-    let ring_fdp_35 = mul_add(
-        ring_fdp_21,
-        ring_fdp_29,
-        ring_fdp_20 * neg_mul_add(ring_fdp_21, ring_fdp_21, ring_fdp_13) * ring_fdp_25,
-    );
-    let ring_edc_27 = mul_add(
-        ring_edc_18 * neg_mul_add(ring_edc_19, ring_edc_19, ring_edc_13),
-        ring_edc_21,
-        ring_edc_19 * ring_edc_24,
-    );
-    let ring_band_35 = mul_add(
-        ring_band_21 * neg_mul_add(ring_band_22, ring_band_22, ring_band_14),
-        ring_band_27,
-        ring_band_22 * ring_band_31,
-    );
-    let ring_pip_15 = mul_add(index_fdp_25, ring_mcp_28, ring_pip_14) - ring_fdp_35
-        - ring_edc_27 - ring_band_35;
-    matrix[270] = ring_pip_15 - c_4;
-    let ring_pip_16 = mul_sub(
-        L::splat(0.0029294409016928746),
-        ring_dip_2,
-        mul_add(ring_ab_7, ring_ab_23, ring_ab_12 * ring_ab_4),
-    );
-    let ring_pip_17 = index_fdp_25 * ring_pip_16;
-    let ring_pip_18 = index_fdp_25
-        * mul_add(L::splat(0.0029294409016928746), ring_dip_3, ring_pip_1);
-    let ring_pip_19 = index_ab_37 * ring_mcp_34;
-    let ring_pip_20 = mul_add(ring_pip_7, ring_pip_18, ring_pip_5 * ring_pip_17)
-        - ring_mcp_32 - mul_add(L::splat(0.0414), ring_pip_19, ring_mcp_33);
-    let ring_pip_21 = ring_mcp_36 + ring_pip_20;
-    let ring_pip_22 = mul_add(L::splat(0.0029294409016928746), ring_dip_4, ring_dip_1);
-    let ring_pip_23 = neg_mul_add(
-        ring_pip_7,
-        ring_mcp_35,
-        neg_mul_add(L::splat(0.0414), ring_pip_22, ring_mcp_38),
-    );
-    matrix[271] = neg_mul_add(
-        ring_band_22,
-        ring_band_32,
-        neg_mul_add(
-            ring_fdp_21,
-            ring_fdp_31,
-            neg_mul_add(L::splat(0.5), ring_pip_23, ring_pip_21),
-        ),
-    );
-    matrix[294] = neg_mul_add(
-        ring_band_13,
-        ring_band_32,
-        mul_add(L::splat(0.5), ring_ab_57, ring_fdp_32),
-    );
-    matrix[295] = mul_add(
-        ring_band_20,
-        ring_band_32,
-        neg_mul_add(
-            ring_fdp_19,
-            ring_fdp_31,
-            mul_add(L::splat(0.5), ring_mcp_38, ring_mcp_37),
-        ),
-    );
-    matrix[296] = neg_mul_add(
-        ring_band_22,
-        ring_band_32,
-        neg_mul_add(
-            ring_fdp_21,
-            ring_fdp_31,
-            mul_add(L::splat(0.5), ring_pip_23, ring_pip_21),
-        ),
-    );
-    let ring_dip_8 = mul_add(
-        ring_dip_4,
-        index_fdp_25 * ring_pip_22,
-        mul_add(ring_dip_3, ring_pip_18, ring_dip_2 * ring_pip_17),
-    );
-    let ring_dip_9 = ring_mcp_33
-        + mul_add(ring_ab_8, index_ab_37 * ring_mcp_35, ring_ab_2 * ring_pip_19);
-    let ring_fdp_36 = mul_add(
-        ring_fdp_23,
-        ring_fdp_31,
-        ring_fdp_22 * neg_mul_add(ring_fdp_23, ring_fdp_23, ring_fdp_15) * ring_fdp_25,
-    );
-    let ring_band_36 = mul_add(
-        ring_band_23 * neg_mul_add(ring_band_24, ring_band_24, ring_band_16),
-        ring_band_27,
-        ring_band_24 * ring_band_32,
-    );
-    let ring_dip_10 = ring_mcp_36 + (ring_dip_8 - ring_mcp_32 - ring_dip_9) - ring_fdp_36
-        - ring_band_36;
-    matrix[297] = ring_dip_10 - c_4;
-    let little_fdp_24 = mul_add(
-        little_fdp_9,
-        neg_mul_add(
-            little_fdp_12,
-            little_fdp_12,
-            mul_add(little_fdp_1, little_fdp_1, little_fdp_5),
-        ),
-        mul_sub(little_fdp_1, little_fdp_10, little_fdp_4 * little_fdp_11),
-    );
-    let little_fdp_25 = index_fdp_25 * little_fdp_17;
-    let little_ab_34 = little_ab_17 + little_ab_6;
-    let little_ab_35 = L::splat(3.4478462505758233e-6) + little_ab_34;
-    let little_ab_36 = little_ab_20 + little_ab_11;
-    let little_ab_37 = cos_little_mcp
-        * (index_ab_37
-            * neg_mul_add(sin_little_mcp, little_ab_36, cos_little_mcp * little_ab_35));
-    let little_ab_38 = little_ab_30 + little_ab_25;
-    let little_ab_39 = L::splat(3.7070662936264426e-7) + little_ab_38;
-    let little_ab_40 = mul_sub(
-        sin_little_mcp,
-        index_ab_37
-            * neg_mul_add(sin_little_mcp, little_ab_39, cos_little_mcp * little_ab_36),
-        little_ab_37,
-    );
-    let little_ab_41 = mul_sub(
-        sin_little_mcp,
-        little_mcp_13,
-        cos_little_mcp * little_mcp_11,
-    );
-    let little_ab_42 = neg_mul_add(
-        sin_little_mcp,
-        index_fdp_25 * (little_mcp_12 * little_ab_41),
-        cos_little_mcp * (index_fdp_25 * (little_mcp_14 * little_ab_41)),
-    );
-    let little_ab_43 = little_ab_40 + little_ab_42
-        - mul_add(
-            little_fdp_12,
-            little_fdp_12 * index_fdp_27,
-            little_fdp_24 * little_fdp_25,
-        );
-    let little_edc_20 = mul_sub(
-        little_edc_9,
-        neg_mul_add(
-            little_edc_12,
-            little_edc_12,
-            mul_add(little_edc_2, little_edc_2, little_edc_5),
-        ),
-        mul_add(little_edc_2, little_edc_10, little_edc_4 * little_edc_11),
-    );
-    let little_edc_21 = index_fdp_25 * little_edc_15;
-    let little_ab_44 = little_ab_43
-        - mul_add(
-            little_edc_12,
-            little_edc_12 * index_edc_22,
-            little_edc_20 * little_edc_21,
-        );
-    let little_interosseous_19 = neg_mul_add(
-        little_interosseous_15,
-        little_interosseous_15,
-=======
-    matrix[297] = -(ring_band_34 + (ring_fdp_32 + ring_mcp_47) + value_0);
+    matrix[297] = -(c_4 + (ring_mcp_47 + ring_fdp_32 + ring_band_34));
     let little_fdp_21 = index_fdp_21 * little_fdp_15;
     let little_fdp_22 = little_fdp_9 * little_fdp_21;
     let little_fdp_23 = index_fdp_24 - little_fdp_22;
@@ -10066,54 +5144,29 @@ pub fn evaluate_with_matrix(
     let little_ab_20 = mul_add(
         index_ab_20,
         little_ab_18,
->>>>>>> work-a
         mul_add(
-            little_fdp_10,
-            little_fdp_10 * little_fdp_23,
-            little_fdp_24 * little_fdp_22,
+            little_fdp_24,
+            little_fdp_22,
+            little_fdp_10 * (little_fdp_10 * little_fdp_23),
         ),
     );
-<<<<<<< HEAD
-    let little_interosseous_20 = mul_add(
-        little_interosseous_12,
-        little_interosseous_19,
-        neg_mul_add(
-            little_interosseous_3,
-            little_interosseous_13,
-            little_interosseous_5 * little_interosseous_14,
-        ),
-    );
-    let little_interosseous_21 = index_fdp_25 * little_interosseous_16;
-    let little_ab_45 = little_ab_44
-        - mul_add(
-            little_interosseous_15,
-            little_interosseous_15 * index_interosseous_22,
-            little_interosseous_20 * little_interosseous_21,
-        );
-    let little_band_25 = neg_mul_add(
-        little_band_13,
-        little_band_13,
-        mul_add(little_band_4, little_band_4, little_band_1 * little_band_1),
-=======
     let little_edc_17 = index_fdp_21 * little_edc_13;
     let little_edc_18 = little_edc_9 * little_edc_17;
     let little_edc_19 = index_edc_19 - little_edc_18;
     let little_edc_20 = little_edc_2 * little_edc_1;
-    let little_ab_21 = mul_sub(
-        little_edc_10,
-        little_edc_10 * little_edc_19,
-        little_edc_20 * little_edc_18,
+    let little_ab_21 = neg_mul_add(
+        little_edc_20,
+        little_edc_18,
+        little_edc_10 * (little_edc_10 * little_edc_19),
     ) + little_ab_20;
     let little_interosseous_16 = little_interosseous_12
         * (index_fdp_21 * little_interosseous_14);
     let little_interosseous_17 = index_interosseous_17 - little_interosseous_16;
     let little_interosseous_18 = little_interosseous_3 * little_interosseous_2;
-    let little_interosseous_19 = mul_sub(
-        little_interosseous_13,
-        little_interosseous_13 * little_interosseous_17,
-        mul_add(0.01, little_interosseous_5, little_interosseous_18)
-            * little_interosseous_16,
->>>>>>> work-a
+    let little_interosseous_19 = neg_mul_add(
+        mul_add(L::splat(0.01), little_interosseous_5, little_interosseous_18),
+        little_interosseous_16,
+        little_interosseous_13 * (little_interosseous_13 * little_interosseous_17),
     );
     let little_band_22 = index_fdp_21 * little_band_16;
     let little_band_23 = little_band_10 * little_band_22;
@@ -10122,205 +5175,9 @@ pub fn evaluate_with_matrix(
     let little_band_26 = mul_add(
         little_band_11,
         little_band_11 * little_band_24,
-        mul_add(0.009, little_band_4, little_band_25) * little_band_23,
+        mul_add(L::splat(0.009), little_band_4, little_band_25) * little_band_23,
     );
-<<<<<<< HEAD
-    let little_band_27 = index_fdp_25 * little_band_18;
-    let little_ab_46 = little_ab_45
-        - mul_add(
-            little_band_26,
-            little_band_27,
-            little_band_13 * (little_band_13 * index_interosseous_22),
-        );
-    matrix[324] = little_ab_46 - c_4;
-    let little_fdp_26 = little_fdp_19 * index_fdp_27;
-    let little_fdp_27 = mul_add(
-        little_fdp_9
-            * mul_sub(little_fdp_4, little_fdp_6, little_fdp_12 * little_fdp_19),
-        little_fdp_25,
-        little_fdp_12 * little_fdp_26,
-    );
-    let little_ab_47 = little_ab_7 * little_ab_36;
-    let little_ab_48 = little_ab_32 + mul_add(little_ab_12, little_ab_35, little_ab_47);
-    let little_ab_49 = little_ab_12 * little_ab_36;
-    let little_ab_50 = little_ab_22 - mul_add(little_ab_7, little_ab_39, little_ab_49);
-    let little_ab_51 = mul_add(
-        sin_little_mcp,
-        little_ab_50,
-        cos_little_mcp * little_ab_48,
-    );
-    let little_edc_22 = little_edc_17 * index_edc_22;
-    let little_edc_23 = neg_mul_add(
-        little_edc_9
-            * mul_add(little_edc_4, little_edc_6, little_edc_12 * little_edc_17),
-        little_edc_21,
-        little_edc_12 * little_edc_22,
-    );
-    let little_interosseous_22 = little_interosseous_18 * index_interosseous_22;
-    let little_interosseous_23 = mul_add(
-        little_interosseous_12
-            * mul_sub(
-                little_interosseous_5,
-                little_interosseous_8,
-                little_interosseous_15 * little_interosseous_18,
-            ),
-        little_interosseous_21,
-        little_interosseous_15 * little_interosseous_22,
-    );
-    let little_band_28 = little_band_10
-        * mul_add(little_band_4, little_band_6, little_band_13 * little_band_20)
-        * little_band_27;
-    let little_band_29 = little_band_20 * index_interosseous_22;
-    let little_band_30 = neg_mul_add(little_band_13, little_band_29, little_band_28);
-    matrix[325] = mul_sub(L::splat(0.5), little_ab_51, little_fdp_27) - little_edc_23
-        - little_interosseous_23 - little_band_30;
-    let little_ab_52 = mul_sub(
-        little_pip_5,
-        little_mcp_13,
-        mul_add(little_ab_7, little_ab_38, little_ab_49),
-    ) + mul_add(L::splat(0.0327), little_pip_4, little_ab_21);
-    let little_ab_53 = mul_sub(
-        little_pip_5,
-        little_mcp_10,
-        mul_add(little_ab_12, little_ab_34, little_ab_47),
-    ) - little_ab_31;
-    let little_ab_54 = neg_mul_add(
-        sin_little_mcp,
-        little_ab_52,
-        cos_little_mcp * little_ab_53,
-    );
-    let little_fdp_28 = little_fdp_21 * index_fdp_27;
-    let little_fdp_29 = little_fdp_12 * little_fdp_28;
-    let little_edc_24 = little_edc_19 * index_edc_22;
-    let little_band_31 = little_band_22 * index_interosseous_22;
-    let little_ab_55 = mul_add(
-        little_band_13,
-        little_band_31,
-        mul_add(
-            little_edc_12,
-            little_edc_24,
-            mul_add(L::splat(0.5), little_ab_54, little_fdp_29),
-        ),
-    );
-    matrix[326] = -little_ab_55;
-    let little_ab_56 = mul_sub(
-        little_dip_2,
-        little_ab_23,
-        mul_add(little_ab_7, little_ab_25, little_ab_13),
-    ) + mul_add(little_ab_2, little_pip_3, little_ab_14);
-    let little_ab_57 = mul_sub(
-        little_dip_2,
-        little_ab_4,
-        mul_add(little_ab_12, little_ab_6, little_ab_26),
-    ) - mul_add(little_ab_8, little_pip_3, little_ab_27);
-    let little_ab_58 = neg_mul_add(
-        sin_little_mcp,
-        little_ab_56,
-        cos_little_mcp * little_ab_57,
-    );
-    let little_fdp_30 = little_fdp_23 * index_fdp_27;
-    let little_fdp_31 = little_fdp_12 * little_fdp_30;
-    let little_band_32 = little_band_24 * index_interosseous_22;
-    matrix[327] = neg_mul_add(
-        little_band_13,
-        little_band_32,
-        neg_mul_add(L::splat(0.5), little_ab_58, little_fdp_31),
-    );
-    let little_mcp_18 = little_band_30
-        + (little_interosseous_23
-            + (little_edc_23 + mul_add(L::splat(0.5), little_ab_51, little_fdp_27)));
-    matrix[350] = -little_mcp_18;
-    let little_fdp_32 = neg_mul_add(
-        little_fdp_19,
-        little_fdp_19,
-        mul_add(little_fdp_6, little_fdp_6, little_fdp_2 * little_fdp_2),
-    );
-    let little_fdp_33 = mul_add(
-        little_fdp_9,
-        little_fdp_32,
-        neg_mul_add(little_fdp_2, little_fdp_10, little_fdp_6 * little_fdp_18),
-    );
-    let little_mcp_19 = neg_mul_add(
-        little_ab_7,
-        index_fdp_25 * little_ab_50,
-        little_ab_12 * (index_fdp_25 * little_ab_48),
-    );
-    let little_mcp_20 = little_mcp_8 + little_mcp_1;
-    let little_mcp_21 = little_mcp_13 * little_mcp_12;
-    let little_mcp_22 = mul_add(
-        index_fdp_25,
-        mul_sub(
-            little_mcp_14,
-            L::splat(-0.00014965563926121566) - little_mcp_10,
-            little_mcp_21,
-        ),
-        neg_mul_add(
-            index_ab_37,
-            L::splat(3.4478462505758233e-6) + little_mcp_20,
-            little_mcp_19,
-        ),
-    );
-    let little_edc_25 = neg_mul_add(
-        little_edc_17,
-        little_edc_17,
-        mul_add(little_edc_6, little_edc_6, little_edc_1 * little_edc_1),
-    );
-    let little_edc_26 = mul_sub(
-        little_edc_9,
-        little_edc_25,
-        mul_add(little_edc_1, little_edc_10, little_edc_6 * little_edc_16),
-    );
-    let little_mcp_23 = little_mcp_22
-        - mul_add(little_fdp_33, little_fdp_25, little_fdp_19 * little_fdp_26)
-        - mul_add(little_edc_26, little_edc_21, little_edc_17 * little_edc_22);
-    let little_interosseous_24 = neg_mul_add(
-        little_interosseous_18,
-        little_interosseous_18,
-        mul_add(
-            little_interosseous_8,
-            little_interosseous_8,
-            little_interosseous_2 * little_interosseous_2,
-        ),
-    );
-    let little_interosseous_25 = mul_add(
-        little_interosseous_12,
-        little_interosseous_24,
-        neg_mul_add(
-            little_interosseous_2,
-            little_interosseous_13,
-            little_interosseous_8 * little_interosseous_17,
-        ),
-    );
-    let little_band_33 = neg_mul_add(
-        little_band_20,
-        little_band_20,
-        mul_add(little_band_6, little_band_6, little_band_2 * little_band_2),
-    );
-    let little_band_34 = mul_add(
-        little_band_10,
-        little_band_33,
-        neg_mul_add(little_band_2, little_band_11, little_band_6 * little_band_19),
-    );
-    let little_mcp_24 = little_mcp_23
-        - mul_add(
-            little_interosseous_25,
-            little_interosseous_21,
-            little_interosseous_18 * little_interosseous_22,
-        ) - mul_add(little_band_34, little_band_27, little_band_20 * little_band_29);
-    matrix[351] = little_mcp_24 - c_4;
-    let little_mcp_25 = mul_add(
-        little_ab_7,
-        index_fdp_25 * little_ab_52,
-        little_ab_12 * (index_fdp_25 * little_ab_53),
-    );
-    let little_mcp_26 = index_ab_37
-        * neg_mul_add(L::splat(0.0327), little_mcp_10, little_mcp_20);
-    let little_mcp_27 = L::splat(0.00021949719764487134) - little_mcp_10;
-    let little_mcp_28 = mul_sub(little_mcp_14, little_mcp_27, little_mcp_21);
-    let little_mcp_29 = mul_sub(
-        index_fdp_25,
-=======
-    matrix[324] = -(little_band_26 + (little_interosseous_19 + little_ab_21) + value_0);
+    matrix[324] = -(c_4 + (little_ab_21 + little_interosseous_19 + little_band_26));
     let little_fdp_25 = little_fdp_16 * little_fdp_23;
     let little_edc_21 = little_edc_14 * little_edc_19;
     let little_ab_22 = mul_add(
@@ -10328,227 +5185,68 @@ pub fn evaluate_with_matrix(
         little_fdp_25,
         little_fdp_4 * little_fdp_5 * little_fdp_22,
     )
-        + mul_sub(
-            little_edc_10,
-            little_edc_21,
-            little_edc_4 * little_edc_5 * little_edc_18,
+        + neg_mul_add(
+            little_edc_4 * little_edc_5,
+            little_edc_18,
+            little_edc_10 * little_edc_21,
         );
     let little_interosseous_20 = little_interosseous_15 * little_interosseous_17;
-    let little_ab_23 = mul_add(
-        little_interosseous_13,
-        little_interosseous_20,
-        little_interosseous_5 * little_interosseous_8 * little_interosseous_16,
-    ) + little_ab_22;
+    let little_ab_23 = little_ab_22
+        + mul_add(
+            little_interosseous_13,
+            little_interosseous_20,
+            little_interosseous_5 * little_interosseous_8 * little_interosseous_16,
+        );
     let little_band_27 = little_band_17 * little_band_24;
-    let little_ab_24 = neg_mul_add(
-        little_band_11,
-        little_band_27,
-        little_band_4 * little_band_6 * little_band_23,
-    ) + little_ab_23;
-    let little_ab_25 = 2.0 * v_little_ab;
+    let little_ab_24 = little_ab_23
+        + neg_mul_add(
+            little_band_11,
+            little_band_27,
+            little_band_4 * little_band_6 * little_band_23,
+        );
+    let little_ab_25 = L::splat(2.0) * v_little_ab;
     let little_ab_26 = mul_add(
->>>>>>> work-a
         little_mcp_28,
         little_ab_25,
         mul_add(little_ab_11 + little_ab_5, little_mcp_23, little_mcp_26 * little_mcp_4),
     );
-<<<<<<< HEAD
-    let little_mcp_30 = neg_mul_add(
-        little_pip_7,
-        little_mcp_13,
-        L::splat(0.0327) * little_pip_6,
-    );
-    let little_mcp_31 = neg_mul_add(
-        little_edc_17,
-        little_edc_24,
-        neg_mul_add(
-            little_fdp_19,
-            little_fdp_28,
-            neg_mul_add(L::splat(0.5), little_mcp_30, little_mcp_29),
-        ),
-    );
-    matrix[352] = mul_add(little_band_20, little_band_31, little_mcp_31);
-    let little_mcp_32 = mul_add(
-        little_ab_7,
-        index_fdp_25 * little_ab_56,
-        little_ab_12 * (index_fdp_25 * little_ab_57),
-    );
-    let little_mcp_33 = index_ab_37
-        * (little_mcp_1 - mul_add(little_ab_8, little_ab_23, little_ab_2 * little_ab_4));
-    let little_mcp_34 = mul_sub(
-        L::splat(0.002709309504455838),
-        little_ab_2,
-        little_ab_4,
-    );
-    let little_mcp_35 = mul_sub(
-        L::splat(4.903850203065067e-5),
-        sin_little_pip,
-        little_ab_23,
-    );
-    let little_mcp_36 = index_fdp_25
-        * mul_add(little_mcp_14, little_mcp_34, little_mcp_12 * little_mcp_35);
-    let little_mcp_37 = little_mcp_36 - (little_mcp_33 + little_mcp_32);
-    let little_mcp_38 = neg_mul_add(
-        little_dip_3,
-        little_ab_23,
-        little_dip_4 * little_ab_4,
-    ) + mul_sub(little_ab_2, little_dip_1, little_ab_8 * little_pip_1);
-    matrix[353] = mul_add(
-        little_band_20,
-        little_band_32,
-        mul_add(
-            little_fdp_19,
-            little_fdp_30,
-            neg_mul_add(L::splat(0.5), little_mcp_38, little_mcp_37),
-=======
-    let little_ab_27 = 0.5 * little_ab_26;
+    let little_ab_27 = L::splat(0.5) * little_ab_26;
     let little_ab_28 = mul_add(
         little_mcp_6,
         little_mcp_31,
         mul_add(little_mcp_32, little_ab_4, little_ab_11 * little_mcp_34),
     );
     let little_ab_29 = mul_add(
-        0.5,
+        L::splat(0.5),
         mul_add(
             little_mcp_36,
             little_ab_25,
             mul_add(little_mcp_25, little_mcp_8, little_ab_28),
->>>>>>> work-a
         ),
         little_ab_27,
     );
-<<<<<<< HEAD
-    matrix[376] = neg_mul_add(
-        little_band_13,
-        little_band_31,
-        neg_mul_add(
-            little_edc_12,
-            little_edc_24,
-            mul_sub(L::splat(0.5), little_ab_54, little_fdp_29),
-        ),
-    );
-    let little_pip_11 = neg_mul_add(
-        little_edc_17,
-        little_edc_24,
-        neg_mul_add(
-            little_fdp_19,
-            little_fdp_28,
-            mul_add(L::splat(0.5), little_mcp_30, little_mcp_29),
-        ),
-    );
-    matrix[377] = mul_add(little_band_20, little_band_31, little_pip_11);
-    let little_pip_12 = mul_sub(
-        L::splat(0.00021949719764487134),
-        little_ab_12,
-        mul_add(little_ab_7, little_mcp_13, little_ab_12 * little_mcp_10),
-    );
-    let little_pip_13 = mul_add(
-        little_pip_7,
-        index_fdp_25
-            * mul_add(L::splat(0.00021949719764487134), v_little_mcp, little_pip_2),
-        little_pip_5 * (index_fdp_25 * little_pip_12),
-    );
-    let little_pip_14 = little_pip_13 - little_mcp_25
-        - mul_add(L::splat(0.0327), index_ab_37 * little_mcp_27, little_mcp_26);
-    let little_fdp_34 = mul_add(
-        little_fdp_21,
-        little_fdp_28,
-        little_fdp_20 * neg_mul_add(little_fdp_21, little_fdp_21, little_fdp_13)
-            * little_fdp_25,
-    );
-    let little_edc_27 = mul_add(
-        little_edc_18 * neg_mul_add(little_edc_19, little_edc_19, little_edc_13),
-        little_edc_21,
-        little_edc_19 * little_edc_24,
-    );
-    let little_band_35 = mul_add(
-        little_band_22,
-        little_band_31,
-        little_band_21 * neg_mul_add(little_band_22, little_band_22, little_band_14)
-            * little_band_27,
-    );
-    let little_pip_15 = mul_add(index_fdp_25, little_mcp_28, little_pip_14)
-        - little_fdp_34 - little_edc_27 - little_band_35;
-    matrix[378] = little_pip_15 - c_4;
-    let little_pip_16 = mul_sub(
-        L::splat(0.002709309504455838),
-        little_dip_2,
-        mul_add(little_ab_7, little_ab_23, little_ab_12 * little_ab_4),
-    );
-    let little_pip_17 = index_fdp_25 * little_pip_16;
-    let little_pip_18 = index_fdp_25
-        * mul_add(L::splat(0.002709309504455838), little_dip_3, little_pip_1);
-    let little_pip_19 = index_ab_37 * little_mcp_34;
-    let little_pip_20 = mul_add(
-        little_pip_7,
-        little_pip_18,
-        little_pip_5 * little_pip_17,
-    ) - little_mcp_32 - mul_add(L::splat(0.0327), little_pip_19, little_mcp_33);
-    let little_pip_21 = little_mcp_36 + little_pip_20;
-    let little_pip_22 = mul_add(
-        L::splat(0.002709309504455838),
-        little_dip_4,
-        little_dip_1,
-    );
-    let little_pip_23 = neg_mul_add(
-        little_pip_7,
-        little_mcp_35,
-        neg_mul_add(L::splat(0.0327), little_pip_22, little_mcp_38),
-    );
-    matrix[379] = neg_mul_add(
-        little_band_22,
-        little_band_32,
-        mul_add(
-            little_fdp_21,
-            little_fdp_30,
-            neg_mul_add(L::splat(0.5), little_pip_23, little_pip_21),
-        ),
-    );
-    matrix[402] = neg_mul_add(
-        little_band_13,
-        little_band_32,
-        mul_add(L::splat(0.5), little_ab_58, little_fdp_31),
-    );
-    matrix[403] = mul_add(
-        little_band_20,
-        little_band_32,
-        mul_add(
-            little_fdp_19,
-            little_fdp_30,
-            mul_add(L::splat(0.5), little_mcp_38, little_mcp_37),
-        ),
-    );
-    matrix[404] = neg_mul_add(
-        little_band_22,
-        little_band_32,
-        mul_add(
-            little_fdp_21,
-            little_fdp_30,
-            mul_add(L::splat(0.5), little_pip_23, little_pip_21),
-        ),
-=======
     let little_ab_30 = mul_add(
         little_mcp_42,
         little_ab_25,
         mul_add(little_mcp_40, little_ab_10, little_mcp_9 * little_mcp_39),
     );
-    let little_ab_31 = mul_add(0.5, little_ab_30, little_ab_29);
+    let little_ab_31 = mul_add(L::splat(0.5), little_ab_30, little_ab_29);
     matrix[325] = little_ab_31 - little_ab_24;
-    let little_edc_22 = index_edc_19 * little_edc_16;
-    let little_fdp_26 = index_fdp_24 * little_fdp_18;
-    let little_band_28 = index_interosseous_17 * little_band_19;
+    let little_edc_22 = little_edc_16 * index_edc_19;
+    let little_fdp_26 = little_fdp_18 * index_fdp_24;
+    let little_band_28 = little_band_19 * index_interosseous_17;
     let little_ab_32 = mul_add(
         little_band_11,
         little_band_28,
         mul_add(little_fdp_10, little_fdp_26, little_edc_10 * little_edc_22),
     );
     matrix[326] = little_ab_29 - little_ab_32;
-    let little_band_29 = index_interosseous_17 * little_band_21;
-    let little_fdp_27 = index_fdp_24 * little_fdp_20;
-    let little_ab_33 = mul_sub(
-        little_fdp_10,
-        little_fdp_27,
-        little_band_11 * little_band_29,
+    let little_band_29 = little_band_21 * index_interosseous_17;
+    let little_fdp_27 = little_fdp_20 * index_fdp_24;
+    let little_ab_33 = neg_mul_add(
+        little_band_11,
+        little_band_29,
+        little_fdp_10 * little_fdp_27,
     );
     matrix[327] = little_ab_27 + little_ab_33;
     matrix[350] = -(little_ab_31 + little_ab_24);
@@ -10557,15 +5255,15 @@ pub fn evaluate_with_matrix(
         little_mcp_31,
         mul_add(little_mcp_13, little_mcp_3, little_mcp_15 * little_mcp_5),
     );
-    let little_mcp_46 = 2.0 * little_mcp_29;
+    let little_mcp_46 = L::splat(2.0) * little_mcp_29;
     let little_mcp_47 = mul_add(
         index_fdp_21,
         mul_add(
-            0.00021262660990969417,
+            L::splat(0.00021262660990969417),
             little_ab_15,
             mul_add(little_ab_17, little_mcp_46, little_mcp_45),
         ),
-        2.6438345247648215e-7 * index_ab_20,
+        L::splat(2.6438345247648215e-7) * index_ab_20,
     );
     let little_mcp_48 = mul_add(
         little_mcp_12,
@@ -10590,8 +5288,8 @@ pub fn evaluate_with_matrix(
     ) + mul_add(little_mcp_25, little_mcp_38, little_mcp_51);
     let little_mcp_53 = mul_add(
         index_fdp_21,
-        mul_add(0.0008364687440661672, little_ab_1, little_mcp_52),
-        1.388803737033218e-6 * index_ab_20,
+        mul_add(L::splat(0.0008364687440661672), little_ab_1, little_mcp_52),
+        L::splat(1.388803737033218e-6) * index_ab_20,
     );
     let little_mcp_54 = little_mcp_49 - little_mcp_53 + little_mcp_50;
     let little_mcp_55 = mul_add(
@@ -10619,36 +5317,35 @@ pub fn evaluate_with_matrix(
     let little_mcp_61 = mul_add(
         index_fdp_21,
         mul_add(
-            0.0036213893300487137,
+            L::splat(0.0036213893300487137),
             sin_little_mcp,
             mul_add(little_ab_13, little_mcp_46, little_mcp_60),
         ),
-        1.0625404613563116e-5 * index_ab_20,
+        L::splat(1.0625404613563116e-5) * index_ab_20,
     );
     let little_fdp_28 = mul_add(
         little_fdp_16,
         little_fdp_25,
-        mul_add(0.011, little_fdp_5, little_fdp_24) * little_fdp_22,
+        mul_add(L::splat(0.011), little_fdp_5, little_fdp_24) * little_fdp_22,
     );
     let little_edc_23 = mul_add(
-        little_edc_14,
-        little_edc_21,
-        mul_sub(0.011, little_edc_5, little_edc_20) * little_edc_18,
+        mul_sub(L::splat(0.011), little_edc_5, little_edc_20),
+        little_edc_18,
+        little_edc_14 * little_edc_21,
     );
     let little_interosseous_21 = mul_add(
-        little_interosseous_15,
-        little_interosseous_20,
-        mul_sub(0.001, little_interosseous_8, little_interosseous_18)
-            * little_interosseous_16,
+        mul_sub(L::splat(0.001), little_interosseous_8, little_interosseous_18),
+        little_interosseous_16,
+        little_interosseous_15 * little_interosseous_20,
     );
     let little_mcp_62 = little_mcp_58 - little_mcp_61 + little_mcp_59 - little_fdp_28
         - little_edc_23 - little_interosseous_21;
     let little_band_30 = mul_add(
-        little_band_17,
-        little_band_27,
-        mul_add(0.005, little_band_6, little_band_25) * little_band_23,
+        mul_add(L::splat(0.005), little_band_6, little_band_25),
+        little_band_23,
+        little_band_17 * little_band_27,
     );
-    matrix[351] = little_mcp_62 - little_band_30 - value_0;
+    matrix[351] = little_mcp_62 - little_band_30 - c_4;
     let little_mcp_63 = mul_add(
         little_band_17,
         little_band_28,
@@ -10662,10 +5359,10 @@ pub fn evaluate_with_matrix(
         little_mcp_9,
         little_ab_4,
         little_ab_11 * little_mcp_4,
-    ) * (0.5 * (v_little_mcp + little_mcp_2));
+    ) * (L::splat(0.5) * (v_little_mcp + little_mcp_2));
     let little_mcp_65 = mul_add(
         neg_mul_add(little_mcp_9, little_ab_9, little_ab_11 * little_mcp_8),
-        0.5 * (v_little_mcp + little_mcp_1),
+        L::splat(0.5) * (v_little_mcp + little_mcp_1),
         little_mcp_64,
     );
     matrix[352] = little_mcp_65 + little_mcp_63;
@@ -10678,7 +5375,7 @@ pub fn evaluate_with_matrix(
         little_mcp_6,
         little_ab_4,
         little_ab_5 * little_mcp_4,
-    ) * (0.5 * (little_mcp_1 + little_mcp_2));
+    ) * (L::splat(0.5) * (little_mcp_1 + little_mcp_2));
     let little_mcp_68 = little_mcp_64 + little_mcp_67;
     matrix[353] = little_mcp_68 + little_mcp_66;
     matrix[376] = -(little_ab_29 + little_ab_32);
@@ -10687,235 +5384,102 @@ pub fn evaluate_with_matrix(
     let little_fdp_30 = mul_add(
         little_fdp_18,
         little_fdp_18 * (index_fdp_24 - little_fdp_29),
-        0.5 * little_fdp_11 * little_fdp_29,
->>>>>>> work-a
+        L::splat(0.5) * little_fdp_11 * little_fdp_29,
     );
     let little_edc_24 = little_edc_15 * little_edc_17;
     let little_edc_25 = mul_add(
         little_edc_16,
         little_edc_16 * (index_edc_19 - little_edc_24),
-        0.5 * little_edc_11 * little_edc_24,
+        L::splat(0.5) * little_edc_11 * little_edc_24,
     );
-<<<<<<< HEAD
-    let little_dip_9 = little_mcp_33
-        + mul_add(little_ab_8, index_ab_37 * little_mcp_35, little_ab_2 * little_pip_19);
-    let little_fdp_35 = mul_add(
-        little_fdp_22 * neg_mul_add(little_fdp_23, little_fdp_23, little_fdp_15),
-        little_fdp_25,
-        little_fdp_23 * little_fdp_30,
-=======
     let little_band_31 = little_band_18 * little_band_22;
     let little_band_32 = mul_add(
         little_band_19,
         little_band_19 * (index_interosseous_17 - little_band_31),
-        0.5 * little_band_12 * little_band_31,
->>>>>>> work-a
+        L::splat(0.5) * little_band_12 * little_band_31,
     );
-    matrix[378] = little_mcp_54 - little_fdp_30 - little_edc_25 - little_band_32
-        - value_0;
+    matrix[378] = little_mcp_54 - little_fdp_30 - little_edc_25 - little_band_32 - c_4;
     let little_pip_2 = neg_mul_add(
         little_band_19,
         little_band_29,
         mul_add(little_fdp_18, little_fdp_27, little_mcp_50),
     );
-<<<<<<< HEAD
-    let little_dip_10 = little_mcp_36 + (little_dip_8 - little_mcp_32 - little_dip_9)
-        - little_fdp_35 - little_band_36;
-    matrix[405] = little_dip_10 - c_4;
-    let thumb_fpl_27 = neg_mul_add(
-        thumb_fpl_15,
-        thumb_fpl_15,
-        mul_add(thumb_fpl_6, thumb_fpl_6, thumb_fpl_4 * thumb_fpl_4),
-=======
     matrix[379] = little_mcp_67 + little_pip_2;
     matrix[402] = little_ab_33 - little_ab_27;
     matrix[403] = little_mcp_66 - little_mcp_68;
     matrix[404] = little_pip_2 - little_mcp_67;
     let little_fdp_31 = little_fdp_19 * little_fdp_21;
     let little_fdp_32 = mul_add(
-        little_fdp_20,
-        little_fdp_20 * (index_fdp_24 - little_fdp_31),
-        0.5 * little_fdp_13 * little_fdp_31,
->>>>>>> work-a
+        L::splat(0.5) * little_fdp_13,
+        little_fdp_31,
+        little_fdp_20 * (little_fdp_20 * (index_fdp_24 - little_fdp_31)),
     );
     let little_band_33 = little_band_20 * little_band_22;
     let little_band_34 = mul_add(
-        little_band_21,
-        little_band_21 * (index_interosseous_17 - little_band_33),
-        0.5 * little_band_14 * little_band_33,
+        L::splat(0.5) * little_band_14,
+        little_band_33,
+        little_band_21 * (little_band_21 * (index_interosseous_17 - little_band_33)),
     );
-<<<<<<< HEAD
-    let thumb_fpl_29 = index_fdp_25 * thumb_fpl_20;
-    work[52] = thumb_fpl_29;
-    let thumb_ab_41 = thumb_ab_17 + thumb_ab_6;
-    let thumb_ab_42 = L::splat(1.4328995574980243e-5) + thumb_ab_41;
-    let thumb_ab_43 = thumb_ab_20 + thumb_ab_11;
-    let thumb_ab_44 = cos_thumb_cmc
-        * (index_ab_37
-            * neg_mul_add(sin_thumb_cmc, thumb_ab_43, cos_thumb_cmc * thumb_ab_42));
-    let thumb_ab_45 = thumb_ab_30 + thumb_ab_25;
-    let thumb_ab_46 = L::splat(1.1687598348270992e-6) + thumb_ab_45;
-    let thumb_ab_47 = mul_sub(
-        sin_thumb_cmc,
-        index_ab_37
-            * neg_mul_add(sin_thumb_cmc, thumb_ab_46, cos_thumb_cmc * thumb_ab_43),
-        thumb_ab_44,
-    );
-    let thumb_ab_48 = mul_sub(sin_thumb_cmc, thumb_ab_36, cos_thumb_cmc * thumb_ab_34);
-    let thumb_ab_49 = neg_mul_add(
-        sin_thumb_cmc,
-        index_fdp_25 * (thumb_cmc_12 * thumb_ab_48),
-        cos_thumb_cmc * (index_fdp_25 * (thumb_cmc_15 * thumb_ab_48)),
-    );
-    let thumb_ab_50 = thumb_ab_47 + thumb_ab_49
-        - mul_add(
-            thumb_fpl_28,
-            thumb_fpl_29,
-            thumb_fpl_15 * (thumb_fpl_15 * index_fdp_27),
-        );
-    let thumb_epl_25 = neg_mul_add(
-=======
-    matrix[405] = -(little_band_34 + (little_fdp_32 + little_mcp_47) + value_0);
+    matrix[405] = -(c_4 + (little_band_34 + (little_mcp_47 + little_fdp_32)));
     let thumb_fpl_24 = index_fdp_21 * thumb_fpl_18;
     let thumb_fpl_25 = thumb_fpl_12 * thumb_fpl_24;
     let thumb_fpl_26 = index_fdp_24 - thumb_fpl_25;
     let thumb_fpl_27 = thumb_fpl_4 * thumb_fpl_3;
-    let thumb_fpl_28 = mul_sub(
-        thumb_fpl_13,
-        thumb_fpl_13 * thumb_fpl_26,
-        mul_add(0.002, thumb_fpl_6, thumb_fpl_27) * thumb_fpl_25,
+    let thumb_fpl_28 = neg_mul_add(
+        mul_add(L::splat(0.002), thumb_fpl_6, thumb_fpl_27),
+        thumb_fpl_25,
+        thumb_fpl_13 * (thumb_fpl_13 * thumb_fpl_26),
     );
-    let thumb_ab_24 = thumb_fpl_28
-        + mul_add(index_ab_20, thumb_ab_18, index_fdp_21 * (thumb_cmc_30 * thumb_ab_20));
+    let thumb_ab_24 = mul_add(
+        index_ab_20,
+        thumb_ab_18,
+        index_fdp_21 * (thumb_cmc_30 * thumb_ab_20),
+    ) + thumb_fpl_28;
     let thumb_epl_24 = index_fdp_21 * thumb_epl_18;
     let thumb_epl_25 = thumb_epl_12 * thumb_epl_24;
     let thumb_epl_26 = index_edc_19 - thumb_epl_25;
     let thumb_epl_27 = thumb_epl_3 * thumb_epl_1;
-    let thumb_epl_28 = mul_sub(
->>>>>>> work-a
-        thumb_epl_13,
-        thumb_epl_13 * thumb_epl_26,
-        mul_add(0.008, thumb_epl_6, thumb_epl_27) * thumb_epl_25,
+    let thumb_epl_28 = neg_mul_add(
+        mul_add(L::splat(0.008), thumb_epl_6, thumb_epl_27),
+        thumb_epl_25,
+        thumb_epl_13 * (thumb_epl_13 * thumb_epl_26),
     );
     let thumb_epb_12 = index_fdp_21 * thumb_epb_10;
     let thumb_epb_13 = thumb_epb_8 * thumb_epb_12;
     let thumb_epb_14 = index_interosseous_17 - thumb_epb_13;
     let thumb_epb_15 = thumb_epl_1 * thumb_epb_1;
     let thumb_epb_16 = mul_add(
-        thumb_epb_9,
-        thumb_epb_9 * thumb_epb_14,
-        mul_add(0.005, thumb_epb_3, thumb_epb_15) * thumb_epb_13,
+        mul_add(L::splat(0.005), thumb_epb_3, thumb_epb_15),
+        thumb_epb_13,
+        thumb_epb_9 * (thumb_epb_9 * thumb_epb_14),
     );
-<<<<<<< HEAD
-    let thumb_epl_27 = index_fdp_25 * thumb_epl_18;
-    work[56] = thumb_epl_27;
-    let thumb_ab_51 = thumb_ab_50
-        - mul_add(
-            thumb_epl_13,
-            thumb_epl_13 * index_edc_22,
-            thumb_epl_26 * thumb_epl_27,
-        );
-    let thumb_epb_14 = neg_mul_add(
-        thumb_epb_10,
-        thumb_epb_10,
-        mul_add(thumb_epb_3, thumb_epb_3, thumb_epb_1 * thumb_epb_1),
-    );
-    let thumb_epb_15 = mul_add(
-        thumb_epb_7,
-        thumb_epb_14,
-        mul_add(thumb_epb_1, thumb_epb_8, thumb_epb_3 * thumb_epb_9),
-    );
-    let thumb_epb_16 = index_fdp_25 * thumb_epb_11;
-    work[61] = thumb_epb_16;
-    let thumb_ab_52 = thumb_ab_51
-        - mul_add(
-            thumb_epb_15,
-            thumb_epb_16,
-            thumb_epb_10 * (thumb_epb_10 * index_interosseous_22),
-        );
-    let thumb_apl_19 = neg_mul_add(
-        thumb_apl_15,
-        thumb_apl_15,
-        mul_add(thumb_apl_5, thumb_apl_5, thumb_apl_1 * thumb_apl_1),
-    );
-    let thumb_apl_20 = mul_add(
-        thumb_apl_12,
-        thumb_apl_19,
-        mul_add(thumb_apl_1, thumb_apl_13, thumb_apl_5 * thumb_apl_14),
-    );
-    let thumb_apl_21 = index_fdp_25 * thumb_apl_16;
-    let thumb_ab_53 = thumb_ab_52
-        - mul_add(
-            thumb_apl_20,
-            thumb_apl_21,
-            thumb_apl_15 * (thumb_apl_15 * index_interosseous_22),
-        );
-    let thumb_apb_21 = neg_mul_add(
-        thumb_apb_13,
-        thumb_apb_13,
-        mul_add(thumb_apb_4, thumb_apb_4, thumb_apb_1 * thumb_apb_1),
-=======
     let thumb_apl_16 = thumb_apl_12 * (index_fdp_21 * thumb_apl_14);
     let thumb_apl_17 = index_interosseous_17 - thumb_apl_16;
     let thumb_apl_18 = thumb_apl_1 * thumb_apl_3;
     let thumb_apl_19 = mul_add(
-        thumb_apl_13,
-        thumb_apl_13 * thumb_apl_17,
-        mul_add(0.012, thumb_apl_5, thumb_apl_18) * thumb_apl_16,
->>>>>>> work-a
+        mul_add(L::splat(0.012), thumb_apl_5, thumb_apl_18),
+        thumb_apl_16,
+        thumb_apl_13 * (thumb_apl_13 * thumb_apl_17),
     );
     let thumb_apb_18 = index_fdp_21 * thumb_apb_14;
     let thumb_apb_19 = thumb_apb_10 * thumb_apb_18;
     let thumb_apb_20 = index_interosseous_17 - thumb_apb_19;
     let thumb_apb_21 = thumb_apb_1 * thumb_apb_2;
     let thumb_apb_22 = mul_add(
-        thumb_apb_11,
-        thumb_apb_11 * thumb_apb_20,
-        mul_add(0.009, thumb_apb_4, thumb_apb_21) * thumb_apb_19,
+        mul_add(L::splat(0.009), thumb_apb_4, thumb_apb_21),
+        thumb_apb_19,
+        thumb_apb_11 * (thumb_apb_11 * thumb_apb_20),
     );
-<<<<<<< HEAD
-    let thumb_apb_23 = index_fdp_25 * thumb_apb_16;
-    work[60] = thumb_apb_23;
-    let thumb_ab_54 = thumb_ab_53
-        - mul_add(
-            thumb_apb_13,
-            thumb_apb_13 * index_interosseous_22,
-            thumb_apb_22 * thumb_apb_23,
-        );
-    let thumb_opp_17 = neg_mul_add(
-        thumb_opp_13,
-        thumb_opp_13,
-        mul_add(thumb_opp_4, thumb_opp_4, thumb_opp_2 * thumb_opp_2),
-    );
-    let thumb_opp_18 = mul_add(
-        thumb_opp_10,
-        thumb_opp_17,
-        neg_mul_add(thumb_opp_2, thumb_opp_11, thumb_opp_4 * thumb_opp_12),
-    );
-    let thumb_opp_19 = index_fdp_25 * thumb_opp_14;
-    let thumb_ab_55 = thumb_ab_54
-        - mul_add(
-            thumb_opp_18,
-            thumb_opp_19,
-            thumb_opp_13 * (thumb_opp_13 * index_interosseous_22),
-        );
-    let thumb_adp_21 = neg_mul_add(
-        thumb_adp_13,
-        thumb_adp_13,
-        mul_add(thumb_adp_4, thumb_adp_4, thumb_adp_1 * thumb_adp_1),
-=======
     let thumb_opp_14 = thumb_opp_10 * (index_fdp_21 * thumb_opp_12);
     let thumb_opp_15 = index_interosseous_17 - thumb_opp_14;
     let thumb_opp_16 = thumb_opp_2 * thumb_opp_1;
     let thumb_opp_17 = mul_add(
-        thumb_opp_11,
-        thumb_opp_11 * thumb_opp_15,
-        mul_sub(0.004, thumb_opp_4, thumb_opp_16) * thumb_opp_14,
->>>>>>> work-a
+        mul_sub(L::splat(0.004), thumb_opp_4, thumb_opp_16),
+        thumb_opp_14,
+        thumb_opp_11 * (thumb_opp_11 * thumb_opp_15),
     );
-    let thumb_ab_25 = thumb_opp_17
-        + (thumb_apb_22
-            + (thumb_apl_19 + (thumb_epb_16 + (thumb_epl_28 + thumb_ab_24))));
+    let thumb_ab_25 = thumb_ab_24 + thumb_epl_28 + thumb_epb_16 + thumb_apl_19
+        + thumb_apb_22 + thumb_opp_17;
     let thumb_adp_18 = index_fdp_21 * thumb_adp_14;
     let thumb_adp_19 = thumb_adp_10 * thumb_adp_18;
     let thumb_adp_20 = index_interosseous_17 - thumb_adp_19;
@@ -10923,186 +5487,9 @@ pub fn evaluate_with_matrix(
     let thumb_adp_22 = mul_add(
         thumb_adp_11,
         thumb_adp_11 * thumb_adp_20,
-        mul_add(0.009, thumb_adp_4, thumb_adp_21) * thumb_adp_19,
+        mul_add(L::splat(0.009), thumb_adp_4, thumb_adp_21) * thumb_adp_19,
     );
-<<<<<<< HEAD
-    let thumb_adp_23 = index_fdp_25 * thumb_adp_16;
-    work[65] = thumb_adp_23;
-    let thumb_ab_56 = thumb_ab_55
-        - mul_add(
-            thumb_adp_13,
-            thumb_adp_13 * index_interosseous_22,
-            thumb_adp_22 * thumb_adp_23,
-        );
-    matrix[432] = thumb_ab_56 - c_4;
-    let thumb_fpl_30 = thumb_fpl_22 * index_fdp_27;
-    let thumb_fpl_31 = mul_add(
-        thumb_fpl_12 * mul_sub(thumb_fpl_6, thumb_fpl_8, thumb_fpl_15 * thumb_fpl_22),
-        thumb_fpl_29,
-        thumb_fpl_15 * thumb_fpl_30,
-    );
-    let thumb_ab_57 = thumb_ab_7 * thumb_ab_43;
-    let thumb_ab_58 = thumb_ab_32 + mul_add(thumb_ab_12, thumb_ab_42, thumb_ab_57);
-    let thumb_ab_59 = thumb_ab_12 * thumb_ab_43;
-    let thumb_ab_60 = thumb_ab_22 - mul_add(thumb_ab_7, thumb_ab_46, thumb_ab_59);
-    let thumb_ab_61 = mul_add(sin_thumb_cmc, thumb_ab_60, cos_thumb_cmc * thumb_ab_58);
-    let thumb_ab_62 = L::splat(-0.00044625375511580167) - thumb_ab_33;
-    let thumb_ab_63 = cos_thumb_cmc * (index_fdp_25 * thumb_ab_37);
-    let thumb_ab_64 = neg_mul_add(
-        sin_thumb_cmc,
-        index_fdp_25 * (thumb_ab_35 * thumb_ab_62),
-        thumb_ab_63,
-    );
-    let thumb_epl_28 = thumb_epl_10
-        * neg_mul_add(thumb_epl_4, thumb_epl_6, thumb_epl_13 * thumb_epl_20)
-        * thumb_epl_27;
-    let thumb_epl_29 = thumb_epl_20 * index_edc_22;
-    let thumb_epl_30 = neg_mul_add(thumb_epl_13, thumb_epl_29, thumb_epl_28);
-    let thumb_epb_17 = thumb_epb_13 * index_interosseous_22;
-    let thumb_epb_18 = neg_mul_add(
-        thumb_epb_7 * mul_add(thumb_epl_6, thumb_epb_3, thumb_epb_10 * thumb_epb_13),
-        thumb_epb_16,
-        thumb_epb_10 * thumb_epb_17,
-    );
-    let thumb_ab_65 = mul_add(L::splat(0.5), thumb_ab_61, thumb_ab_64) - thumb_fpl_31
-        - thumb_epl_30 - thumb_epb_18;
-    let thumb_apl_22 = thumb_apl_18 * index_interosseous_22;
-    let thumb_apl_23 = neg_mul_add(
-        thumb_apl_12 * mul_add(thumb_apl_5, thumb_apl_8, thumb_apl_15 * thumb_apl_18),
-        thumb_apl_21,
-        thumb_apl_15 * thumb_apl_22,
-    );
-    let thumb_apb_24 = thumb_apb_10
-        * mul_add(thumb_apb_4, thumb_apb_6, thumb_apb_13 * thumb_apb_18) * thumb_apb_23;
-    let thumb_apb_25 = thumb_apb_18 * index_interosseous_22;
-    let thumb_apb_26 = neg_mul_add(thumb_apb_13, thumb_apb_25, thumb_apb_24);
-    let thumb_opp_20 = thumb_opp_16 * index_interosseous_22;
-    let thumb_opp_21 = mul_add(
-        thumb_opp_10 * mul_sub(thumb_opp_4, thumb_opp_6, thumb_opp_13 * thumb_opp_16),
-        thumb_opp_19,
-        thumb_opp_13 * thumb_opp_20,
-    );
-    let thumb_adp_24 = thumb_adp_10
-        * neg_mul_add(thumb_adp_4, thumb_adp_6, thumb_adp_13 * thumb_adp_18)
-        * thumb_adp_23;
-    let thumb_adp_25 = thumb_adp_18 * index_interosseous_22;
-    let thumb_adp_26 = neg_mul_add(thumb_adp_13, thumb_adp_25, thumb_adp_24);
-    matrix[433] = thumb_ab_65 - thumb_apl_23 - thumb_apb_26 - thumb_opp_21
-        - thumb_adp_26;
-    let thumb_ab_66 = mul_sub(
-        thumb_mcp_5,
-        thumb_ab_36,
-        mul_add(thumb_ab_7, thumb_ab_45, thumb_ab_59),
-    ) + mul_add(L::splat(0.046200000000000005), thumb_mcp_4, thumb_ab_21);
-    work[2] = thumb_ab_66;
-    let thumb_ab_67 = mul_sub(
-        thumb_mcp_5,
-        thumb_ab_33,
-        mul_add(thumb_ab_12, thumb_ab_41, thumb_ab_57),
-    ) - thumb_ab_31;
-    work[4] = thumb_ab_67;
-    let thumb_ab_68 = neg_mul_add(
-        sin_thumb_cmc,
-        thumb_ab_66,
-        cos_thumb_cmc * thumb_ab_67,
-    );
-    work[42] = thumb_ab_68;
-    let thumb_ab_69 = L::splat(0.0007851390259858244) - thumb_ab_33;
-    work[9] = thumb_ab_69;
-    let thumb_ab_70 = neg_mul_add(
-        sin_thumb_cmc,
-        index_fdp_25 * (thumb_ab_35 * thumb_ab_69),
-        thumb_ab_63,
-    );
-    work[43] = thumb_ab_70;
-    let thumb_fpl_32 = thumb_fpl_24 * index_fdp_27;
-    work[17] = thumb_fpl_32;
-    let thumb_epl_31 = thumb_epl_22 * index_edc_22;
-    work[15] = thumb_epl_31;
-    let thumb_ab_71 = mul_add(
-        thumb_epl_13,
-        thumb_epl_31,
-        mul_add(
-            thumb_fpl_15,
-            thumb_fpl_32,
-            neg_mul_add(L::splat(0.5), thumb_ab_68, thumb_ab_70),
-        ),
-    );
-    let thumb_epb_19 = thumb_epl_22 * index_interosseous_22;
-    work[23] = thumb_epb_19;
-    let thumb_apb_27 = thumb_apb_20 * index_interosseous_22;
-    work[21] = thumb_apb_27;
-    let thumb_adp_27 = thumb_adp_20 * index_interosseous_22;
-    work[19] = thumb_adp_27;
-    matrix[434] = mul_add(
-        thumb_adp_13,
-        thumb_adp_27,
-        mul_add(
-            thumb_apb_13,
-            thumb_apb_27,
-            neg_mul_add(thumb_epb_10, thumb_epb_19, thumb_ab_71),
-        ),
-    );
-    let thumb_ab_72 = mul_sub(
-        thumb_ip_2,
-        thumb_ab_23,
-        mul_add(thumb_ab_7, thumb_ab_25, thumb_ab_13),
-    ) + mul_add(thumb_ab_2, thumb_mcp_3, thumb_ab_14);
-    work[24] = thumb_ab_72;
-    let thumb_ab_73 = mul_sub(
-        thumb_ip_2,
-        thumb_ab_4,
-        mul_add(thumb_ab_12, thumb_ab_6, thumb_ab_26),
-    ) - mul_add(thumb_ab_8, thumb_mcp_3, thumb_ab_27);
-    work[25] = thumb_ab_73;
-    let thumb_ab_74 = neg_mul_add(
-        sin_thumb_cmc,
-        thumb_ab_72,
-        cos_thumb_cmc * thumb_ab_73,
-    );
-    work[67] = thumb_ab_74;
-    let thumb_ab_75 = mul_sub(L::splat(0.006074175147936257), thumb_ab_2, thumb_ab_4);
-    work[31] = thumb_ab_75;
-    let thumb_ab_76 = mul_sub(
-        L::splat(0.00019194393467478576),
-        sin_thumb_mcp,
-        thumb_ab_23,
-    );
-    work[33] = thumb_ab_76;
-    let thumb_ab_77 = mul_add(
-        sin_thumb_cmc,
-        index_fdp_25 * (thumb_ab_35 * thumb_ab_75),
-        cos_thumb_cmc * (index_fdp_25 * (thumb_ab_35 * thumb_ab_76)),
-    );
-    work[68] = thumb_ab_77;
-    let thumb_fpl_33 = thumb_fpl_26 * index_fdp_27;
-    work[39] = thumb_fpl_33;
-    let thumb_epl_32 = thumb_epl_24 * index_edc_22;
-    work[38] = thumb_epl_32;
-    matrix[435] = mul_sub(
-        thumb_epl_13,
-        thumb_epl_32,
-        mul_add(
-            thumb_fpl_15,
-            thumb_fpl_33,
-            mul_add(L::splat(0.5), thumb_ab_74, thumb_ab_77),
-        ),
-    );
-    let thumb_cmc_20 = neg_mul_add(L::splat(0.5), thumb_ab_61, thumb_ab_64)
-        - thumb_fpl_31 - thumb_epl_30 - thumb_epb_18;
-    matrix[458] = thumb_cmc_20 - thumb_apl_23 - thumb_apb_26 - thumb_opp_21
-        - thumb_adp_26;
-    let thumb_fpl_34 = neg_mul_add(
-        thumb_fpl_22,
-        thumb_fpl_22,
-        mul_add(thumb_fpl_8, thumb_fpl_8, thumb_fpl_3 * thumb_fpl_3),
-    );
-    let thumb_fpl_35 = mul_add(
-        thumb_fpl_12,
-        thumb_fpl_34,
-        neg_mul_add(thumb_fpl_3, thumb_fpl_13, thumb_fpl_8 * thumb_fpl_21),
-=======
-    matrix[432] = -(thumb_adp_22 + thumb_ab_25 + value_0);
+    matrix[432] = -(c_4 + (thumb_adp_22 + thumb_ab_25));
     let thumb_fpl_29 = thumb_fpl_19 * thumb_fpl_26;
     let thumb_ab_26 = index_fdp_21 * (thumb_ab_21 * thumb_cmc_4);
     let thumb_ab_27 = mul_add(index_fdp_21, thumb_ab_21 * thumb_cmc_8, thumb_ab_26);
@@ -11116,10 +5503,18 @@ pub fn evaluate_with_matrix(
     ) + thumb_ab_28;
     let thumb_epb_17 = thumb_epb_11 * thumb_epb_14;
     let thumb_ab_30 = thumb_ab_29
-        - mul_sub(thumb_epb_9, thumb_epb_17, thumb_epl_8 * thumb_epb_3 * thumb_epb_13);
+        - neg_mul_add(
+            thumb_epl_8 * thumb_epb_3,
+            thumb_epb_13,
+            thumb_epb_9 * thumb_epb_17,
+        );
     let thumb_apl_20 = thumb_apl_15 * thumb_apl_17;
     let thumb_ab_31 = thumb_ab_30
-        - mul_sub(thumb_apl_13, thumb_apl_20, thumb_apl_5 * thumb_apl_8 * thumb_apl_16);
+        - neg_mul_add(
+            thumb_apl_5 * thumb_apl_8,
+            thumb_apl_16,
+            thumb_apl_13 * thumb_apl_20,
+        );
     let thumb_apb_23 = thumb_apb_15 * thumb_apb_20;
     let thumb_ab_32 = thumb_ab_31
         - neg_mul_add(
@@ -11129,27 +5524,27 @@ pub fn evaluate_with_matrix(
         );
     let thumb_opp_18 = thumb_opp_13 * thumb_opp_15;
     let thumb_ab_33 = thumb_ab_32
-        - mul_add(thumb_opp_11, thumb_opp_18, thumb_opp_4 * thumb_opp_6 * thumb_opp_14);
+        - mul_add(thumb_opp_4 * thumb_opp_6, thumb_opp_14, thumb_opp_11 * thumb_opp_18);
     let thumb_adp_23 = thumb_adp_15 * thumb_adp_20;
     let thumb_ab_34 = mul_add(
-        thumb_adp_11,
-        thumb_adp_23,
-        thumb_adp_4 * thumb_adp_6 * thumb_adp_19,
+        thumb_adp_4 * thumb_adp_6,
+        thumb_adp_19,
+        thumb_adp_11 * thumb_adp_23,
     ) + thumb_ab_33;
-    let thumb_ab_35 = 2.0 * v_thumb_ab;
+    let thumb_ab_35 = L::splat(2.0) * v_thumb_ab;
     let thumb_ab_36 = mul_add(
         thumb_cmc_28,
         thumb_ab_35,
         mul_add(thumb_ab_11 + thumb_ab_5, thumb_cmc_23, thumb_cmc_26 * thumb_cmc_4),
     );
-    let thumb_ab_37 = 0.5 * thumb_ab_36;
+    let thumb_ab_37 = L::splat(0.5) * thumb_ab_36;
     let thumb_ab_38 = mul_add(
         thumb_cmc_6,
         thumb_cmc_32,
         mul_add(thumb_cmc_33, thumb_ab_4, thumb_ab_11 * thumb_cmc_35),
     );
     let thumb_ab_39 = mul_add(
-        0.5,
+        L::splat(0.5),
         mul_add(
             thumb_cmc_37,
             thumb_ab_35,
@@ -11162,11 +5557,11 @@ pub fn evaluate_with_matrix(
         thumb_ab_35,
         mul_add(thumb_cmc_41, thumb_ab_10, thumb_cmc_9 * thumb_cmc_40),
     );
-    let thumb_ab_41 = mul_add(0.5, thumb_ab_40, thumb_ab_39);
+    let thumb_ab_41 = mul_add(L::splat(0.5), thumb_ab_40, thumb_ab_39);
     matrix[433] = thumb_ab_41 + thumb_ab_34;
-    let thumb_fpl_30 = index_fdp_24 * thumb_fpl_21;
-    let thumb_epl_30 = index_edc_19 * thumb_epl_21;
-    let thumb_epb_18 = index_interosseous_17 * thumb_epl_21;
+    let thumb_fpl_30 = thumb_fpl_21 * index_fdp_24;
+    let thumb_epl_30 = thumb_epl_21 * index_edc_19;
+    let thumb_epb_18 = thumb_epl_21 * index_interosseous_17;
     let thumb_ab_42 = neg_mul_add(
         thumb_epb_9,
         thumb_epb_18,
@@ -11176,16 +5571,16 @@ pub fn evaluate_with_matrix(
             mul_add(thumb_fpl_13, thumb_fpl_30, thumb_ab_27),
         ),
     );
-    let thumb_apb_24 = index_interosseous_17 * thumb_apb_17;
-    let thumb_adp_24 = index_interosseous_17 * thumb_adp_17;
+    let thumb_apb_24 = thumb_apb_17 * index_interosseous_17;
+    let thumb_adp_24 = thumb_adp_17 * index_interosseous_17;
     let thumb_ab_43 = mul_add(
         thumb_adp_11,
         thumb_adp_24,
         mul_add(thumb_apb_11, thumb_apb_24, thumb_ab_42),
     );
     matrix[434] = thumb_ab_39 + thumb_ab_43;
-    let thumb_fpl_31 = index_fdp_24 * thumb_fpl_23;
-    let thumb_epl_31 = index_edc_19 * thumb_epl_23;
+    let thumb_fpl_31 = thumb_fpl_23 * index_fdp_24;
+    let thumb_epl_31 = thumb_epl_23 * index_edc_19;
     let thumb_ab_44 = mul_add(
         thumb_epl_13,
         thumb_epl_31,
@@ -11198,13 +5593,17 @@ pub fn evaluate_with_matrix(
         thumb_cmc_32,
         mul_add(thumb_cmc_13, thumb_cmc_3, thumb_cmc_15 * thumb_cmc_5),
     );
-    let thumb_cmc_49 = 2.0 * thumb_cmc_29;
+    let thumb_cmc_49 = L::splat(2.0) * thumb_cmc_29;
     let thumb_cmc_50 = mul_add(thumb_ab_17, thumb_cmc_49, thumb_cmc_48)
-        + mul_add(0.00034235640421260765, thumb_ab_15, thumb_cmc_30 * thumb_ab_4);
+        + mul_add(
+            L::splat(0.00034235640421260765),
+            thumb_ab_15,
+            thumb_cmc_30 * thumb_ab_4,
+        );
     let thumb_cmc_51 = mul_add(
         index_fdp_21,
         thumb_cmc_50,
-        1.0764248252162773e-6 * index_ab_20,
+        L::splat(1.0764248252162773e-6) * index_ab_20,
     );
     let thumb_cmc_52 = mul_add(thumb_cmc_12, thumb_cmc_3, thumb_cmc_14 * thumb_cmc_5);
     let thumb_cmc_53 = mul_sub(
@@ -11222,8 +5621,12 @@ pub fn evaluate_with_matrix(
     let thumb_cmc_57 = mul_add(
         index_fdp_21,
         thumb_cmc_56
-            + mul_add(0.0018933824477241439, thumb_ab_1, thumb_cmc_30 * thumb_ab_9),
-        9.973249740768897e-6 * index_ab_20,
+            + mul_add(
+                L::splat(0.0018933824477241439),
+                thumb_ab_1,
+                thumb_cmc_30 * thumb_ab_9,
+            ),
+        L::splat(9.973249740768897e-6) * index_ab_20,
     );
     let thumb_cmc_58 = thumb_cmc_53 - thumb_cmc_57 + thumb_cmc_54;
     let thumb_cmc_59 = mul_add(
@@ -11249,48 +5652,55 @@ pub fn evaluate_with_matrix(
         mul_add(thumb_cmc_7, thumb_cmc_19, thumb_cmc_10 * thumb_cmc_21),
     );
     let thumb_cmc_65 = mul_add(thumb_ab_13, thumb_cmc_49, thumb_cmc_64)
-        + mul_add(0.006396729865499674, sin_thumb_cmc, thumb_cmc_30 * thumb_ab_19);
+        + mul_add(
+            L::splat(0.006396729865499674),
+            sin_thumb_cmc,
+            thumb_cmc_30 * thumb_ab_19,
+        );
     let thumb_cmc_66 = thumb_cmc_62
-        - mul_add(index_fdp_21, thumb_cmc_65, 5.060241857552533e-5 * index_ab_20)
-        + thumb_cmc_63;
+        - mul_add(
+            index_fdp_21,
+            thumb_cmc_65,
+            L::splat(5.060241857552533e-5) * index_ab_20,
+        ) + thumb_cmc_63;
     let thumb_fpl_32 = mul_add(
         thumb_fpl_19,
         thumb_fpl_29,
-        mul_sub(0.012000000000000004, thumb_fpl_8, thumb_fpl_27) * thumb_fpl_25,
+        mul_sub(L::splat(0.012000000000000004), thumb_fpl_8, thumb_fpl_27) * thumb_fpl_25,
     );
     let thumb_epl_32 = mul_add(
         thumb_epl_19,
         thumb_epl_29,
-        mul_sub(0.012, thumb_epl_8, thumb_epl_27) * thumb_epl_25,
+        mul_sub(L::splat(0.012), thumb_epl_8, thumb_epl_27) * thumb_epl_25,
     );
     let thumb_epb_19 = mul_add(
         thumb_epb_11,
         thumb_epb_17,
-        mul_add(0.012000000000000004, thumb_epl_8, thumb_epb_15) * thumb_epb_13,
+        mul_add(L::splat(0.012000000000000004), thumb_epl_8, thumb_epb_15) * thumb_epb_13,
     );
     let thumb_apl_21 = mul_add(
         thumb_apl_15,
         thumb_apl_20,
-        mul_add(0.005000000000000003, thumb_apl_8, thumb_apl_18) * thumb_apl_16,
+        mul_add(L::splat(0.005000000000000003), thumb_apl_8, thumb_apl_18) * thumb_apl_16,
     );
     let thumb_apb_25 = mul_add(
         thumb_apb_15,
         thumb_apb_23,
-        mul_add(0.013294688681193689, thumb_apb_6, thumb_apb_21) * thumb_apb_19,
+        mul_add(L::splat(0.013294688681193689), thumb_apb_6, thumb_apb_21) * thumb_apb_19,
     );
     let thumb_cmc_67 = thumb_cmc_66 - thumb_fpl_32 - thumb_epl_32 - thumb_epb_19
         - thumb_apl_21 - thumb_apb_25;
     let thumb_opp_19 = mul_add(
         thumb_opp_13,
         thumb_opp_18,
-        mul_sub(0.01941111622405197, thumb_opp_6, thumb_opp_16) * thumb_opp_14,
+        mul_sub(L::splat(0.01941111622405197), thumb_opp_6, thumb_opp_16) * thumb_opp_14,
     );
     let thumb_adp_25 = mul_add(
         thumb_adp_15,
         thumb_adp_23,
-        mul_add(0.040658969729785124, thumb_adp_6, thumb_adp_21) * thumb_adp_19,
+        mul_add(L::splat(0.040658969729785124), thumb_adp_6, thumb_adp_21) * thumb_adp_19,
     );
-    matrix[459] = thumb_cmc_67 - thumb_opp_19 - thumb_adp_25 - value_0;
+    matrix[459] = thumb_cmc_67 - thumb_opp_19 - thumb_adp_25 - c_4;
     let thumb_cmc_68 = neg_mul_add(
         thumb_epb_11,
         thumb_epb_18,
@@ -11306,10 +5716,10 @@ pub fn evaluate_with_matrix(
         neg_mul_add(thumb_apb_15, thumb_apb_24, thumb_cmc_68),
     );
     let thumb_cmc_70 = neg_mul_add(thumb_cmc_9, thumb_ab_4, thumb_ab_11 * thumb_cmc_4)
-        * (0.5 * (v_thumb_cmc + thumb_cmc_2));
+        * (L::splat(0.5) * (v_thumb_cmc + thumb_cmc_2));
     let thumb_cmc_71 = mul_add(
         neg_mul_add(thumb_cmc_9, thumb_ab_9, thumb_ab_11 * thumb_cmc_8),
-        0.5 * (v_thumb_cmc + thumb_cmc_1),
+        L::splat(0.5) * (v_thumb_cmc + thumb_cmc_1),
         thumb_cmc_70,
     );
     matrix[460] = thumb_cmc_71 + thumb_cmc_69;
@@ -11319,7 +5729,7 @@ pub fn evaluate_with_matrix(
         neg_mul_add(thumb_fpl_19, thumb_fpl_31, thumb_cmc_60 + thumb_cmc_54),
     );
     let thumb_cmc_73 = neg_mul_add(thumb_cmc_6, thumb_ab_4, thumb_ab_5 * thumb_cmc_4)
-        * (0.5 * (thumb_cmc_1 + thumb_cmc_2));
+        * (L::splat(0.5) * (thumb_cmc_1 + thumb_cmc_2));
     let thumb_cmc_74 = thumb_cmc_70 + thumb_cmc_73;
     matrix[461] = thumb_cmc_74 + thumb_cmc_72;
     matrix[484] = thumb_ab_43 - thumb_ab_39;
@@ -11328,14 +5738,14 @@ pub fn evaluate_with_matrix(
     let thumb_fpl_34 = mul_add(
         thumb_fpl_21,
         thumb_fpl_21 * (index_fdp_24 - thumb_fpl_33),
-        0.5 * thumb_fpl_14 * thumb_fpl_33,
+        L::splat(0.5) * thumb_fpl_14 * thumb_fpl_33,
     );
     let thumb_epl_33 = thumb_epl_20 * thumb_epl_24;
-    let thumb_epl_34 = 0.5 * thumb_epl_14;
+    let thumb_epl_34 = L::splat(0.5) * thumb_epl_14;
     let thumb_epl_35 = mul_add(
-        thumb_epl_21,
-        thumb_epl_21 * (index_edc_19 - thumb_epl_33),
-        thumb_epl_34 * thumb_epl_33,
+        thumb_epl_34,
+        thumb_epl_33,
+        thumb_epl_21 * (thumb_epl_21 * (index_edc_19 - thumb_epl_33)),
     );
     let thumb_epb_20 = thumb_epl_20 * thumb_epb_12;
     let thumb_epb_21 = mul_add(
@@ -11345,19 +5755,19 @@ pub fn evaluate_with_matrix(
     );
     let thumb_apb_26 = thumb_apb_16 * thumb_apb_18;
     let thumb_apb_27 = mul_add(
-        thumb_apb_17,
-        thumb_apb_17 * (index_interosseous_17 - thumb_apb_26),
-        0.5 * thumb_apb_12 * thumb_apb_26,
+        L::splat(0.5) * thumb_apb_12,
+        thumb_apb_26,
+        thumb_apb_17 * (thumb_apb_17 * (index_interosseous_17 - thumb_apb_26)),
     );
     let thumb_adp_26 = thumb_adp_16 * thumb_adp_18;
     let thumb_adp_27 = mul_add(
         thumb_adp_17,
         thumb_adp_17 * (index_interosseous_17 - thumb_adp_26),
-        0.5 * thumb_adp_12 * thumb_adp_26,
+        L::splat(0.5) * thumb_adp_12 * thumb_adp_26,
     );
     let thumb_mcp_2 = thumb_cmc_58 - thumb_fpl_34 - thumb_epl_35 - thumb_epb_21
         - thumb_apb_27 - thumb_adp_27;
-    matrix[486] = thumb_mcp_2 - value_0;
+    matrix[486] = thumb_mcp_2 - c_4;
     let thumb_mcp_3 = neg_mul_add(
         thumb_epl_21,
         thumb_epl_31,
@@ -11371,414 +5781,16 @@ pub fn evaluate_with_matrix(
     let thumb_fpl_36 = mul_add(
         thumb_fpl_23,
         thumb_fpl_23 * (index_fdp_24 - thumb_fpl_35),
-        0.5 * thumb_fpl_16 * thumb_fpl_35,
->>>>>>> work-a
+        L::splat(0.5) * thumb_fpl_16 * thumb_fpl_35,
     );
     let thumb_epl_36 = thumb_epl_22 * thumb_epl_24;
     let thumb_epl_37 = mul_add(
         thumb_epl_23,
         thumb_epl_23 * (index_edc_19 - thumb_epl_36),
-        0.5 * thumb_epl_16 * thumb_epl_36,
+        L::splat(0.5) * thumb_epl_16 * thumb_epl_36,
     );
-<<<<<<< HEAD
-    let thumb_cmc_22 = thumb_cmc_8 + thumb_cmc_1;
-    work[7] = thumb_cmc_22;
-    let thumb_cmc_23 = thumb_ab_36 * thumb_cmc_12;
-    work[10] = thumb_cmc_23;
-    let thumb_cmc_24 = mul_add(
-        index_fdp_25,
-        mul_sub(thumb_cmc_15, thumb_ab_62, thumb_cmc_23),
-        neg_mul_add(
-            index_ab_37,
-            L::splat(1.4328995574980243e-5) + thumb_cmc_22,
-            thumb_cmc_21,
-        ),
-    );
-    let thumb_epl_33 = mul_add(thumb_epl_6, thumb_epl_6, thumb_epl_1 * thumb_epl_1);
-    let thumb_epl_34 = mul_sub(
-        thumb_epl_10,
-        neg_mul_add(thumb_epl_20, thumb_epl_20, thumb_epl_33),
-        mul_add(thumb_epl_1, thumb_epl_11, thumb_epl_6 * thumb_epl_19),
-    );
-    let thumb_cmc_25 = thumb_cmc_24
-        - mul_add(thumb_fpl_35, thumb_fpl_29, thumb_fpl_22 * thumb_fpl_30)
-        - mul_add(thumb_epl_34, thumb_epl_27, thumb_epl_20 * thumb_epl_29);
-    let thumb_epb_20 = mul_sub(
-        thumb_epb_7,
-        neg_mul_add(thumb_epb_13, thumb_epb_13, thumb_epl_33),
-        mul_add(thumb_epl_1, thumb_epb_8, thumb_epl_6 * thumb_epb_12),
-    );
-    let thumb_apl_24 = neg_mul_add(
-        thumb_apl_18,
-        thumb_apl_18,
-        mul_add(thumb_apl_8, thumb_apl_8, thumb_apl_3 * thumb_apl_3),
-    );
-    let thumb_apl_25 = mul_sub(
-        thumb_apl_12,
-        thumb_apl_24,
-        mul_add(thumb_apl_3, thumb_apl_13, thumb_apl_8 * thumb_apl_17),
-    );
-    let thumb_cmc_26 = thumb_cmc_25
-        - mul_add(thumb_epb_13, thumb_epb_17, thumb_epb_20 * thumb_epb_16)
-        - mul_add(thumb_apl_25, thumb_apl_21, thumb_apl_18 * thumb_apl_22);
-    let thumb_apb_28 = neg_mul_add(
-        thumb_apb_18,
-        thumb_apb_18,
-        mul_add(thumb_apb_6, thumb_apb_6, thumb_apb_2 * thumb_apb_2),
-    );
-    let thumb_apb_29 = mul_add(
-        thumb_apb_10,
-        thumb_apb_28,
-        neg_mul_add(thumb_apb_2, thumb_apb_11, thumb_apb_6 * thumb_apb_17),
-    );
-    let thumb_opp_22 = neg_mul_add(
-        thumb_opp_16,
-        thumb_opp_16,
-        mul_add(thumb_opp_6, thumb_opp_6, thumb_opp_1 * thumb_opp_1),
-    );
-    let thumb_opp_23 = mul_add(
-        thumb_opp_10,
-        thumb_opp_22,
-        neg_mul_add(thumb_opp_1, thumb_opp_11, thumb_opp_6 * thumb_opp_15),
-    );
-    let thumb_cmc_27 = thumb_cmc_26
-        - mul_add(thumb_apb_18, thumb_apb_25, thumb_apb_29 * thumb_apb_23)
-        - mul_add(thumb_opp_23, thumb_opp_19, thumb_opp_16 * thumb_opp_20);
-    let thumb_adp_28 = neg_mul_add(
-        thumb_adp_18,
-        thumb_adp_18,
-        mul_add(thumb_adp_6, thumb_adp_6, thumb_adp_2 * thumb_adp_2),
-    );
-    let thumb_adp_29 = mul_add(
-        thumb_adp_10,
-        thumb_adp_28,
-        neg_mul_add(thumb_adp_2, thumb_adp_11, thumb_adp_6 * thumb_adp_17),
-    );
-    matrix[459] = thumb_cmc_27
-        - mul_add(thumb_adp_29, thumb_adp_23, thumb_adp_18 * thumb_adp_25) - c_4;
-}
-
-#[inline(never)]
-fn evaluate_with_matrix_part_2<L: Lane>(
-    v: &[L; 26],
-    constants: &[f64],
-    matrix: &mut [L; 676],
-    work: &mut [L; 97],
-) {
-    let constants = &constants[..5 * L::WIDTH];
-    let v_thumb_cmc = v[17];
-    let v_ball_ty = v[21];
-    let v_ball_tz = v[22];
-    let c_4 = L::load(&constants[4 * L::WIDTH..]);
-    let thumb_ab_7 = work[0];
-    let index_fdp_25 = work[1];
-    let thumb_ab_66 = work[2];
-    let thumb_ab_12 = work[3];
-    let thumb_ab_67 = work[4];
-    let index_ab_37 = work[5];
-    let thumb_ab_33 = work[6];
-    let thumb_cmc_22 = work[7];
-    let thumb_cmc_15 = work[8];
-    let thumb_ab_69 = work[9];
-    let thumb_cmc_23 = work[10];
-    let thumb_mcp_7 = work[11];
-    let thumb_ab_36 = work[12];
-    let thumb_mcp_6 = work[13];
-    let thumb_epl_20 = work[14];
-    let thumb_epl_31 = work[15];
-    let thumb_fpl_22 = work[16];
-    let thumb_fpl_32 = work[17];
-    let thumb_adp_18 = work[18];
-    let thumb_adp_27 = work[19];
-    let thumb_apb_18 = work[20];
-    let thumb_apb_27 = work[21];
-    let thumb_epb_13 = work[22];
-    let thumb_epb_19 = work[23];
-    let thumb_ab_72 = work[24];
-    let thumb_ab_73 = work[25];
-    let thumb_cmc_1 = work[26];
-    let thumb_ab_8 = work[27];
-    let thumb_ab_23 = work[28];
-    let thumb_ab_2 = work[29];
-    let thumb_ab_4 = work[30];
-    let thumb_ab_75 = work[31];
-    let thumb_cmc_12 = work[32];
-    let thumb_ab_76 = work[33];
-    let thumb_ip_3 = work[34];
-    let thumb_ip_4 = work[35];
-    let thumb_ip_1 = work[36];
-    let thumb_mcp_1 = work[37];
-    let thumb_epl_32 = work[38];
-    let thumb_fpl_33 = work[39];
-    let thumb_epl_13 = work[40];
-    let thumb_fpl_15 = work[41];
-    let thumb_ab_68 = work[42];
-    let thumb_ab_70 = work[43];
-    let thumb_adp_13 = work[44];
-    let thumb_apb_13 = work[45];
-    let thumb_epb_10 = work[46];
-    let thumb_mcp_2 = work[47];
-    let thumb_mcp_5 = work[48];
-    let thumb_fpl_24 = work[49];
-    let thumb_fpl_23 = work[50];
-    let thumb_fpl_16 = work[51];
-    let thumb_fpl_29 = work[52];
-    let thumb_epl_21 = work[53];
-    let thumb_epl_22 = work[54];
-    let thumb_epl_14 = work[55];
-    let thumb_epl_27 = work[56];
-    let thumb_apb_20 = work[57];
-    let thumb_apb_19 = work[58];
-    let thumb_apb_14 = work[59];
-    let thumb_apb_23 = work[60];
-    let thumb_epb_16 = work[61];
-    let thumb_adp_20 = work[62];
-    let thumb_adp_19 = work[63];
-    let thumb_adp_14 = work[64];
-    let thumb_adp_23 = work[65];
-    let thumb_ip_2 = work[66];
-    let thumb_ab_74 = work[67];
-    let thumb_ab_77 = work[68];
-    let thumb_fpl_25 = work[69];
-    let thumb_fpl_26 = work[70];
-    let thumb_fpl_18 = work[71];
-    let thumb_epl_23 = work[72];
-    let thumb_epl_24 = work[73];
-    let thumb_epl_16 = work[74];
-    let ball_ry_9 = work[75];
-    let cos_ball_rx = work[76];
-    let ball_tz_1 = work[77];
-    let sin_ball_rx = work[78];
-    let ball_ty_1 = work[79];
-    let ball_rz_5 = work[80];
-    let ball_ry_4 = work[81];
-    let ball_ry_1 = work[82];
-    let ball_ry_10 = work[83];
-    let ball_tx_1 = work[84];
-    let ball_rz_6 = work[85];
-    let sin_ball_ry = work[86];
-    let ball_ry_11 = work[87];
-    let ball_rz_7 = work[88];
-    let ball_ry_3 = work[89];
-    let ball_ry_6 = work[90];
-    let ball_rz_2 = work[91];
-    let ball_ry_8 = work[92];
-    let ball_rx_1 = work[93];
-    let ball_ry_7 = work[94];
-    let ball_rz_1 = work[95];
-    let ball_rz_3 = work[96];
-    let thumb_cmc_28 = mul_add(
-        thumb_ab_7,
-        index_fdp_25 * thumb_ab_66,
-        thumb_ab_12 * (index_fdp_25 * thumb_ab_67),
-    );
-    let thumb_cmc_29 = index_ab_37
-        * neg_mul_add(L::splat(0.046200000000000005), thumb_ab_33, thumb_cmc_22);
-    let thumb_cmc_30 = mul_sub(thumb_cmc_15, thumb_ab_69, thumb_cmc_23);
-    let thumb_cmc_31 = mul_sub(index_fdp_25, thumb_cmc_30, thumb_cmc_29 + thumb_cmc_28);
-    let thumb_cmc_32 = neg_mul_add(
-        thumb_mcp_7,
-        thumb_ab_36,
-        L::splat(0.046200000000000005) * thumb_mcp_6,
-    );
-    let thumb_cmc_33 = neg_mul_add(
-        thumb_epl_20,
-        thumb_epl_31,
-        mul_add(
-            thumb_fpl_22,
-            thumb_fpl_32,
-            neg_mul_add(L::splat(0.5), thumb_cmc_32, thumb_cmc_31),
-        ),
-    );
-    matrix[460] = neg_mul_add(
-        thumb_adp_18,
-        thumb_adp_27,
-        neg_mul_add(
-            thumb_apb_18,
-            thumb_apb_27,
-            neg_mul_add(thumb_epb_13, thumb_epb_19, thumb_cmc_33),
-        ),
-    );
-    let thumb_cmc_34 = mul_add(
-        thumb_ab_7,
-        index_fdp_25 * thumb_ab_72,
-        thumb_ab_12 * (index_fdp_25 * thumb_ab_73),
-    );
-    let thumb_cmc_35 = index_ab_37
-        * (thumb_cmc_1 - mul_add(thumb_ab_8, thumb_ab_23, thumb_ab_2 * thumb_ab_4));
-    let thumb_cmc_36 = index_fdp_25
-        * mul_add(thumb_cmc_15, thumb_ab_75, thumb_cmc_12 * thumb_ab_76);
-    let thumb_cmc_37 = thumb_cmc_36 - (thumb_cmc_35 + thumb_cmc_34);
-    let thumb_cmc_38 = neg_mul_add(thumb_ip_3, thumb_ab_23, thumb_ip_4 * thumb_ab_4)
-        + mul_sub(thumb_ab_2, thumb_ip_1, thumb_ab_8 * thumb_mcp_1);
-    matrix[461] = neg_mul_add(
-        thumb_epl_20,
-        thumb_epl_32,
-        neg_mul_add(
-            thumb_fpl_22,
-            thumb_fpl_33,
-            neg_mul_add(L::splat(0.5), thumb_cmc_38, thumb_cmc_37),
-        ),
-    );
-    let thumb_mcp_11 = mul_add(
-        thumb_epl_13,
-        thumb_epl_31,
-        mul_add(
-            thumb_fpl_15,
-            thumb_fpl_32,
-            mul_add(L::splat(0.5), thumb_ab_68, thumb_ab_70),
-        ),
-    );
-    matrix[484] = mul_add(
-        thumb_adp_13,
-        thumb_adp_27,
-        mul_add(
-            thumb_apb_13,
-            thumb_apb_27,
-            neg_mul_add(thumb_epb_10, thumb_epb_19, thumb_mcp_11),
-        ),
-    );
-    let thumb_mcp_12 = neg_mul_add(
-        thumb_epl_20,
-        thumb_epl_31,
-        mul_add(
-            thumb_fpl_22,
-            thumb_fpl_32,
-            mul_add(L::splat(0.5), thumb_cmc_32, thumb_cmc_31),
-        ),
-    );
-    matrix[485] = neg_mul_add(
-        thumb_adp_18,
-        thumb_adp_27,
-        neg_mul_add(
-            thumb_apb_18,
-            thumb_apb_27,
-            neg_mul_add(thumb_epb_13, thumb_epb_19, thumb_mcp_12),
-        ),
-    );
-    let thumb_mcp_13 = mul_sub(
-        L::splat(0.0007851390259858244),
-        thumb_ab_12,
-        mul_add(thumb_ab_7, thumb_ab_36, thumb_ab_12 * thumb_ab_33),
-    );
-    let thumb_mcp_14 = mul_add(
-        thumb_mcp_7,
-        index_fdp_25
-            * mul_add(L::splat(0.0007851390259858244), v_thumb_cmc, thumb_mcp_2),
-        thumb_mcp_5 * (index_fdp_25 * thumb_mcp_13),
-    );
-    let thumb_mcp_15 = thumb_mcp_14 - thumb_cmc_28
-        - mul_add(
-            L::splat(0.046200000000000005),
-            index_ab_37 * thumb_ab_69,
-            thumb_cmc_29,
-        );
-    let thumb_fpl_36 = mul_add(
-        thumb_fpl_24,
-        thumb_fpl_32,
-        thumb_fpl_23 * neg_mul_add(thumb_fpl_24, thumb_fpl_24, thumb_fpl_16)
-            * thumb_fpl_29,
-    );
-    let thumb_epl_35 = thumb_epl_21
-        * neg_mul_add(thumb_epl_22, thumb_epl_22, thumb_epl_14);
-    let thumb_mcp_16 = mul_add(index_fdp_25, thumb_cmc_30, thumb_mcp_15) - thumb_fpl_36
-        - mul_add(thumb_epl_22, thumb_epl_31, thumb_epl_35 * thumb_epl_27);
-    let thumb_apb_30 = mul_add(
-        thumb_apb_20,
-        thumb_apb_27,
-        thumb_apb_19 * neg_mul_add(thumb_apb_20, thumb_apb_20, thumb_apb_14)
-            * thumb_apb_23,
-    );
-    let thumb_mcp_17 = thumb_mcp_16
-        - mul_add(thumb_epl_35, thumb_epb_16, thumb_epl_22 * thumb_epb_19)
-        - thumb_apb_30;
-    let thumb_adp_30 = mul_add(
-        thumb_adp_20,
-        thumb_adp_27,
-        thumb_adp_19 * neg_mul_add(thumb_adp_20, thumb_adp_20, thumb_adp_14)
-            * thumb_adp_23,
-    );
-    matrix[486] = thumb_mcp_17 - thumb_adp_30 - c_4;
-    let thumb_mcp_18 = mul_sub(
-        L::splat(0.006074175147936257),
-        thumb_ip_2,
-        mul_add(thumb_ab_7, thumb_ab_23, thumb_ab_12 * thumb_ab_4),
-    );
-    let thumb_mcp_19 = index_fdp_25 * thumb_mcp_18;
-    let thumb_mcp_20 = index_fdp_25
-        * mul_add(L::splat(0.006074175147936257), thumb_ip_3, thumb_mcp_1);
-    let thumb_mcp_21 = index_ab_37 * thumb_ab_75;
-    let thumb_mcp_22 = mul_add(thumb_mcp_7, thumb_mcp_20, thumb_mcp_5 * thumb_mcp_19)
-        - thumb_cmc_34
-        - mul_add(L::splat(0.046200000000000005), thumb_mcp_21, thumb_cmc_35);
-    let thumb_mcp_23 = thumb_cmc_36 + thumb_mcp_22;
-    let thumb_mcp_24 = mul_add(L::splat(0.006074175147936257), thumb_ip_4, thumb_ip_1);
-    let thumb_mcp_25 = neg_mul_add(
-        thumb_mcp_7,
-        thumb_ab_76,
-        neg_mul_add(L::splat(0.046200000000000005), thumb_mcp_24, thumb_cmc_38),
-    );
-    matrix[487] = neg_mul_add(
-        thumb_epl_22,
-        thumb_epl_32,
-        mul_add(
-            thumb_fpl_24,
-            thumb_fpl_33,
-            neg_mul_add(L::splat(0.5), thumb_mcp_25, thumb_mcp_23),
-        ),
-    );
-    matrix[510] = mul_add(
-        thumb_epl_13,
-        thumb_epl_32,
-        neg_mul_add(
-            thumb_fpl_15,
-            thumb_fpl_33,
-            mul_sub(L::splat(0.5), thumb_ab_74, thumb_ab_77),
-        ),
-    );
-    matrix[511] = neg_mul_add(
-        thumb_epl_20,
-        thumb_epl_32,
-        neg_mul_add(
-            thumb_fpl_22,
-            thumb_fpl_33,
-            mul_add(L::splat(0.5), thumb_cmc_38, thumb_cmc_37),
-        ),
-    );
-    matrix[512] = neg_mul_add(
-        thumb_epl_22,
-        thumb_epl_32,
-        mul_add(
-            thumb_fpl_24,
-            thumb_fpl_33,
-            mul_add(L::splat(0.5), thumb_mcp_25, thumb_mcp_23),
-        ),
-    );
-    let thumb_ip_8 = mul_add(
-        thumb_ip_4,
-        index_fdp_25 * thumb_mcp_24,
-        mul_add(thumb_ip_3, thumb_mcp_20, thumb_ip_2 * thumb_mcp_19),
-    );
-    let thumb_ip_9 = thumb_cmc_35
-        + mul_add(thumb_ab_8, index_ab_37 * thumb_ab_76, thumb_ab_2 * thumb_mcp_21);
-    let thumb_fpl_37 = mul_add(
-        thumb_fpl_25 * neg_mul_add(thumb_fpl_26, thumb_fpl_26, thumb_fpl_18),
-        thumb_fpl_29,
-        thumb_fpl_26 * thumb_fpl_33,
-    );
-    let thumb_epl_36 = mul_add(
-        thumb_epl_23 * neg_mul_add(thumb_epl_24, thumb_epl_24, thumb_epl_16),
-        thumb_epl_27,
-        thumb_epl_24 * thumb_epl_32,
-    );
-    let thumb_ip_10 = thumb_cmc_36 + (thumb_ip_8 - thumb_cmc_34 - thumb_ip_9)
-        - thumb_fpl_37 - thumb_epl_36;
-    matrix[513] = thumb_ip_10 - c_4;
-    let ball_tx_2 = L::splat(0.1) * index_ab_37;
-=======
-    matrix[513] = -(thumb_epl_37 + (thumb_fpl_36 + thumb_cmc_51) + value_0);
-    let ball_tx_2 = 0.1 * index_ab_20;
->>>>>>> work-a
+    matrix[513] = -(c_4 + (thumb_cmc_51 + thumb_fpl_36 + thumb_epl_37));
+    let ball_tx_2 = L::splat(0.1) * index_ab_20;
     matrix[540] = -ball_tx_2;
     let ball_tx_3 = mul_add(
         L::splat(0.1),
@@ -11816,27 +5828,15 @@ fn evaluate_with_matrix_part_2<L: Lane>(
     );
     let ball_tz_5 = L::splat(0.5) * ball_tz_4;
     matrix[597] = -ball_tz_5;
-<<<<<<< HEAD
-    matrix[621] = L::splat(-4.900000000000001e-5) * index_ab_37;
-    let ball_rx_2 = index_fdp_25 * ball_tz_2;
-    let ball_rx_3 = index_fdp_25 * ball_ty_2;
-    let ball_rx_4 = mul_sub(v_ball_tz, ball_rx_3, v_ball_ty * ball_rx_2);
-    let ball_rx_5 = mul_sub(cos_ball_rx, ball_ry_3, sin_ball_rx * ball_ry_6);
-    matrix[622] = neg_mul_add(L::splat(0.5), ball_rx_5, ball_rx_4);
-    let ball_rx_6 = index_fdp_25 * ball_tz_4;
-    let ball_rx_7 = index_fdp_25 * ball_ty_4;
-    let ball_rx_8 = index_ab_37 * (L::splat(4.900000000000001e-5) * sin_ball_ry);
-=======
-    matrix[621] = -4.900000000000001e-5 * index_ab_20;
+    matrix[621] = L::splat(-4.900000000000001e-5) * index_ab_20;
     let ball_rx_2 = index_fdp_21 * ball_tz_2;
     let ball_rx_3 = index_fdp_21 * ball_ty_2;
     let ball_rx_4 = mul_sub(v_ball_tz, ball_rx_3, v_ball_ty * ball_rx_2);
     let ball_rx_5 = mul_sub(cos_ball_rx, ball_ry_3, sin_ball_rx * ball_ry_6);
-    matrix[622] = neg_mul_add(0.5, ball_rx_5, ball_rx_4);
+    matrix[622] = neg_mul_add(L::splat(0.5), ball_rx_5, ball_rx_4);
     let ball_rx_6 = index_fdp_21 * ball_tz_4;
     let ball_rx_7 = index_fdp_21 * ball_ty_4;
-    let ball_rx_8 = index_ab_20 * (4.900000000000001e-5 * sin_ball_ry);
->>>>>>> work-a
+    let ball_rx_8 = index_ab_20 * (L::splat(4.900000000000001e-5) * sin_ball_ry);
     let ball_rx_9 = mul_sub(v_ball_tz, ball_rx_7, v_ball_ty * ball_rx_6) - ball_rx_8;
     let ball_rx_10 = mul_sub(
         L::splat(4.900000000000001e-5),
@@ -11854,8 +5854,7 @@ fn evaluate_with_matrix_part_2<L: Lane>(
         mul_sub(ball_ry_9, index_fdp_21 * ball_tx_3, ball_ry_10 * ball_rx_3),
     );
     let ball_ry_14 = ball_ry_8
-<<<<<<< HEAD
-        * (index_fdp_25
+        * (index_fdp_21
             * mul_sub(
                 L::splat(4.900000000000001e-5),
                 ball_ry_8,
@@ -11863,31 +5862,18 @@ fn evaluate_with_matrix_part_2<L: Lane>(
             ));
     let ball_ry_15 = neg_mul_add(
         ball_ry_7,
-        index_fdp_25
+        index_fdp_21
             * neg_mul_add(
                 L::splat(4.900000000000001e-5),
                 ball_ry_7,
                 sin_ball_rx * ball_rx_1,
             ),
-=======
-        * (index_fdp_21
-            * mul_sub(4.900000000000001e-5, ball_ry_8, cos_ball_rx * ball_rx_1));
-    let ball_ry_15 = neg_mul_add(
-        ball_ry_7,
-        index_fdp_21
-            * neg_mul_add(4.900000000000001e-5, ball_ry_7, sin_ball_rx * ball_rx_1),
->>>>>>> work-a
         ball_ry_14,
     );
     let ball_ry_16 = mul_add(
         cos_ball_rx,
-<<<<<<< HEAD
-        index_ab_37 * (L::splat(4.900000000000001e-5) * cos_ball_rx),
-        sin_ball_rx * (index_ab_37 * (L::splat(4.900000000000001e-5) * sin_ball_rx)),
-=======
-        index_ab_20 * (4.900000000000001e-5 * cos_ball_rx),
-        sin_ball_rx * (index_ab_20 * (4.900000000000001e-5 * sin_ball_rx)),
->>>>>>> work-a
+        index_ab_20 * (L::splat(4.900000000000001e-5) * cos_ball_rx),
+        sin_ball_rx * (index_ab_20 * (L::splat(4.900000000000001e-5) * sin_ball_rx)),
     );
     matrix[648] = ball_ry_15 + ball_ry_13 - ball_ry_16;
     let ball_ry_17 = index_fdp_21 * ball_tx_5;
@@ -11907,19 +5893,11 @@ fn evaluate_with_matrix_part_2<L: Lane>(
         ball_rz_3,
         mul_add(sin_ball_ry, ball_ry_6, ball_ry_4 * ball_rx_1),
     );
-<<<<<<< HEAD
-    let ball_ry_22 = index_fdp_25 * ball_ry_21;
-    let ball_ry_23 = L::splat(4.900000000000001e-5) * ball_ry_1;
-    let ball_ry_24 = index_ab_37 * ball_ry_23;
-    let ball_ry_25 = L::splat(4.900000000000001e-5) * ball_ry_4;
-    let ball_ry_26 = index_ab_37 * ball_ry_25;
-=======
     let ball_ry_22 = index_fdp_21 * ball_ry_21;
-    let ball_ry_23 = 4.900000000000001e-5 * ball_ry_1;
+    let ball_ry_23 = L::splat(4.900000000000001e-5) * ball_ry_1;
     let ball_ry_24 = index_ab_20 * ball_ry_23;
-    let ball_ry_25 = 4.900000000000001e-5 * ball_ry_4;
+    let ball_ry_25 = L::splat(4.900000000000001e-5) * ball_ry_4;
     let ball_ry_26 = index_ab_20 * ball_ry_25;
->>>>>>> work-a
     let ball_ry_27 = mul_sub(cos_ball_rx, ball_ry_26, sin_ball_rx * ball_ry_24)
         + (neg_mul_add(ball_ry_7, ball_ry_20, ball_ry_8 * ball_ry_22) + ball_ry_18);
     let ball_ry_28 = mul_add(cos_ball_rx, ball_ry_19, sin_ball_rx * ball_ry_21)
@@ -11956,8 +5934,7 @@ fn evaluate_with_matrix_part_2<L: Lane>(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-<<<<<<< HEAD
-/// 475 operations: 75 sums, 115 products, 134 products with sum, 17 sines and cosines.
+/// 310 operations: 60 sums, 105 products, 64 products with sum, 17 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 26], matrix: &mut [L; 676]) {
     let q_index_mcp = q[1];
@@ -11977,93 +5954,6 @@ pub fn mass_matrix<L: Lane>(q: &[L; 26], matrix: &mut [L; 676]) {
     let q_thumb_ip = q[19];
     let q_ball_rx = q[23];
     let q_ball_ry = q[24];
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_ab_1 = mul_sub(
-        cos_index_pip,
-        cos_index_dip,
-        sin_index_pip * sin_index_dip,
-    );
-    let index_ab_2 = mul_add(
-        L::splat(0.0224),
-        cos_index_pip,
-        L::splat(0.039799999999999995),
-    );
-    let index_ab_3 = mul_add(L::splat(0.0079), index_ab_1, index_ab_2);
-    let index_ab_4 = L::splat(0.0026754431356501404) * index_ab_3;
-    let index_ab_5 = mul_add(
-        sin_index_pip,
-        cos_index_dip,
-        cos_index_pip * sin_index_dip,
-    );
-    let index_ab_6 = neg_mul_add(
-        index_ab_5,
-        L::splat(2.2883956953594213e-8) * index_ab_5,
-        mul_add(index_ab_3, index_ab_4, L::splat(8.843231377702265e-8)),
-    );
-    let index_ab_7 = mul_add(
-        L::splat(0.0112),
-        cos_index_pip,
-        L::splat(0.039799999999999995),
-    );
-    let index_ab_8 = L::splat(0.0049541659510049605) * index_ab_7;
-    let index_ab_9 = neg_mul_add(
-        sin_index_pip,
-        L::splat(1.2788353708194133e-7) * sin_index_pip,
-        mul_add(index_ab_7, index_ab_8, L::splat(2.8641684751410007e-7)),
-    );
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_10 = L::splat(0.0224) * sin_index_pip;
-    let index_ab_11 = mul_add(L::splat(0.0079), index_ab_5, index_ab_10);
-    let index_ab_12 = L::splat(2.2883956953594213e-8) * index_ab_1;
-    let index_ab_13 = L::splat(0.0112) * sin_index_pip;
-    let index_ab_14 = L::splat(1.2788353708194133e-7) * cos_index_pip;
-    let index_ab_15 = mul_add(index_ab_13, index_ab_8, sin_index_pip * index_ab_14)
-        + mul_add(index_ab_11, index_ab_4, index_ab_5 * index_ab_12);
-    let index_ab_16 = neg_mul_add(
-        sin_index_mcp,
-        index_ab_15,
-        cos_index_mcp * (L::splat(6.108011569195822e-6) + (index_ab_9 + index_ab_6)),
-    );
-    let index_ab_17 = L::splat(0.0026754431356501404) * index_ab_11;
-    let index_ab_18 = index_ab_11 * index_ab_17;
-    let index_ab_19 = index_ab_13 * (L::splat(5.5486658651255556e-5) * sin_index_pip);
-    let index_ab_20 = neg_mul_add(
-        cos_index_pip,
-        index_ab_14,
-        L::splat(2.8641684751410007e-7) + index_ab_19,
-    )
-        + neg_mul_add(
-            index_ab_1,
-            index_ab_12,
-            L::splat(8.843231377702265e-8) + index_ab_18,
-        );
-    matrix[0] = neg_mul_add(
-        sin_index_mcp,
-        neg_mul_add(
-            sin_index_mcp,
-            L::splat(4.511964479704354e-7) + index_ab_20,
-            cos_index_mcp * index_ab_15,
-=======
-/// 310 operations: 60 sums, 105 products, 64 products with sum, 17 sines and cosines.
-pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let q_middle_mcp = q[coordinate::MIDDLE_MCP];
-    let q_middle_pip = q[coordinate::MIDDLE_PIP];
-    let q_middle_dip = q[coordinate::MIDDLE_DIP];
-    let q_ring_mcp = q[coordinate::RING_MCP];
-    let q_ring_pip = q[coordinate::RING_PIP];
-    let q_ring_dip = q[coordinate::RING_DIP];
-    let q_little_mcp = q[coordinate::LITTLE_MCP];
-    let q_little_pip = q[coordinate::LITTLE_PIP];
-    let q_little_dip = q[coordinate::LITTLE_DIP];
-    let q_thumb_cmc = q[coordinate::THUMB_CMC];
-    let q_thumb_mcp = q[coordinate::THUMB_MCP];
-    let q_thumb_ip = q[coordinate::THUMB_IP];
-    let q_ball_rx = q[coordinate::BALL_RX];
-    let q_ball_ry = q[coordinate::BALL_RY];
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
     let index_ab_1 = mul_add(
@@ -12077,142 +5967,48 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         cos_index_pip,
         sin_index_mcp * sin_index_pip,
     );
-    let index_ab_3 = 2.113600077163611e-5
+    let index_ab_3 = L::splat(2.113600077163611e-5)
         * mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
-    let index_ab_4 = 0.0224 * index_ab_2 * index_ab_3;
+    let index_ab_4 = L::splat(0.0224) * index_ab_2 * index_ab_3;
     let index_ab_5 = mul_add(
-        2.0,
+        L::splat(2.0),
         index_ab_4,
         neg_mul_add(
             index_ab_1,
-            2.0917644617198177e-6 * index_ab_1,
-            1.0458822308599088e-6,
+            L::splat(2.0917644617198177e-6) * index_ab_1,
+            L::splat(1.0458822308599088e-6),
         ),
     );
-    let index_ab_6 = 0.0001154165848898187 * index_ab_2;
-    let index_ab_7 = 0.039799999999999995 * cos_index_mcp;
+    let index_ab_6 = L::splat(0.0001154165848898187) * index_ab_2;
+    let index_ab_7 = L::splat(0.039799999999999995) * cos_index_mcp;
     let index_ab_8 = mul_add(
-        2.0,
+        L::splat(2.0),
         index_ab_7 * (index_ab_6 + index_ab_3),
         neg_mul_add(
             sin_index_mcp,
-            1.7742421098850526e-5 * sin_index_mcp,
-            8.871210549425263e-6,
->>>>>>> work-a
+            L::splat(1.7742421098850526e-5) * sin_index_mcp,
+            L::splat(8.871210549425263e-6),
         ),
     );
-<<<<<<< HEAD
-    let index_mcp_1 = L::splat(8.843231377702265e-8)
-        + mul_add(index_ab_3, index_ab_4, index_ab_18);
-    let index_mcp_2 = L::splat(2.8641684751410007e-7)
-        + mul_add(index_ab_7, index_ab_8, index_ab_19) + index_mcp_1;
-    matrix[27] = L::splat(6.108011569195822e-6) + index_mcp_2;
-    let index_mcp_3 = index_ab_8 + index_ab_4;
-    let index_mcp_4 = neg_mul_add(
-        L::splat(0.039799999999999995),
-        index_mcp_3,
-        index_mcp_2,
-    );
-    matrix[28] = index_mcp_4;
-    let index_mcp_5 = index_mcp_1
-        - mul_add(index_ab_10, index_ab_17, index_ab_2 * index_ab_4);
-    matrix[29] = index_mcp_5;
-    matrix[53] = index_mcp_4;
-    matrix[54] = mul_add(
-        L::splat(0.039799999999999995),
-        L::splat(0.00030365844164887296) - index_mcp_3,
-        index_mcp_4,
-    );
-    let index_pip_1 = mul_sub(L::splat(0.0026754431356501404), index_ab_2, index_ab_4);
-    let index_pip_2 = mul_add(L::splat(0.039799999999999995), index_pip_1, index_mcp_5);
-    matrix[55] = index_pip_2;
-    matrix[79] = index_mcp_5;
-    matrix[80] = index_pip_2;
-    let index_dip_1 = mul_add(
-        index_ab_10,
-        mul_sub(L::splat(5.9929926238563145e-5), sin_index_pip, index_ab_17),
-        index_ab_2 * index_pip_1,
-    );
-    matrix[81] = index_mcp_5 + index_dip_1;
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_ab_1 = mul_sub(
-        cos_middle_pip,
-        cos_middle_dip,
-        sin_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_2 = mul_add(L::splat(0.0263), cos_middle_pip, L::splat(0.0446));
-    let middle_ab_3 = mul_add(L::splat(0.0087), middle_ab_1, middle_ab_2);
-    let middle_ab_4 = L::splat(0.0029463740860957233) * middle_ab_3;
-    let middle_ab_5 = mul_add(
-        sin_middle_pip,
-        cos_middle_dip,
-        cos_middle_pip * sin_middle_dip,
-    );
-    let middle_ab_6 = neg_mul_add(
-        middle_ab_5,
-        L::splat(3.8243935637522495e-8) * middle_ab_5,
-        mul_add(middle_ab_3, middle_ab_4, L::splat(1.1043010074686771e-7)),
-    );
-    let middle_ab_7 = mul_add(L::splat(0.01315), cos_middle_pip, L::splat(0.0446));
-    let middle_ab_8 = L::splat(0.005816721629974574) * middle_ab_7;
-    let middle_ab_9 = neg_mul_add(
-        sin_middle_pip,
-        L::splat(2.422131359401662e-7) * sin_middle_pip,
-        mul_add(middle_ab_7, middle_ab_8, L::splat(4.283482280993526e-7)),
-    );
-    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_ab_10 = L::splat(0.0263) * sin_middle_pip;
-    let middle_ab_11 = mul_add(L::splat(0.0087), middle_ab_5, middle_ab_10);
-    let middle_ab_12 = L::splat(3.8243935637522495e-8) * middle_ab_1;
-    let middle_ab_13 = L::splat(0.01315) * sin_middle_pip;
-    let middle_ab_14 = L::splat(2.422131359401662e-7) * cos_middle_pip;
-    let middle_ab_15 = mul_add(middle_ab_13, middle_ab_8, sin_middle_pip * middle_ab_14)
-        + mul_add(middle_ab_11, middle_ab_4, middle_ab_5 * middle_ab_12);
-    let middle_ab_16 = neg_mul_add(
-        sin_middle_mcp,
-        middle_ab_15,
-        cos_middle_mcp * (L::splat(8.530529217154657e-6) + (middle_ab_9 + middle_ab_6)),
-    );
-    let middle_ab_17 = L::splat(0.0029463740860957233) * middle_ab_11;
-    let middle_ab_18 = middle_ab_11 * middle_ab_17;
-    let middle_ab_19 = middle_ab_13 * (L::splat(7.648988943416565e-5) * sin_middle_pip);
-    let middle_ab_20 = neg_mul_add(
-        cos_middle_pip,
-        middle_ab_14,
-        L::splat(4.283482280993526e-7) + middle_ab_19,
-    )
-        + neg_mul_add(
-            middle_ab_1,
-            middle_ab_12,
-            L::splat(1.1043010074686771e-7) + middle_ab_18,
-        );
-    matrix[108] = neg_mul_add(
-        sin_middle_mcp,
-        neg_mul_add(
-            sin_middle_mcp,
-            L::splat(5.056120999869704e-7) + middle_ab_20,
-            cos_middle_mcp * middle_ab_15,
-=======
     let index_ab_9 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
     matrix[0] = neg_mul_add(
         index_ab_9,
-        1.8985836304951953e-7 * index_ab_9,
-        9.492918152475976e-8,
-    ) + (1.0687300077035954e-5 + index_ab_8 + index_ab_5);
-    let index_mcp_1 = 2.113600077163611e-5 * index_ab_9;
-    let index_mcp_2 = mul_add(0.0224 * index_ab_1, index_mcp_1, index_ab_4);
-    let index_mcp_3 = 2.5540671987294797e-7 + index_mcp_2;
-    let index_mcp_4 = 2.2502977721519766e-6 + index_mcp_2 + index_mcp_3;
-    let index_mcp_5 = 0.039799999999999995 * sin_index_mcp;
+        L::splat(1.8985836304951953e-7) * index_ab_9,
+        L::splat(9.492918152475976e-8),
+    ) + (L::splat(1.0687300077035954e-5) + index_ab_8 + index_ab_5);
+    let index_mcp_1 = L::splat(2.113600077163611e-5) * index_ab_9;
+    let index_mcp_2 = mul_add(L::splat(0.0224) * index_ab_1, index_mcp_1, index_ab_4);
+    let index_mcp_3 = L::splat(2.5540671987294797e-7) + index_mcp_2;
+    let index_mcp_4 = L::splat(2.2502977721519766e-6) + index_mcp_2 + index_mcp_3;
+    let index_mcp_5 = L::splat(0.039799999999999995) * sin_index_mcp;
     let index_mcp_6 = mul_add(index_mcp_5, index_mcp_1, index_ab_7 * index_ab_3);
     let index_mcp_7 = mul_add(
         index_mcp_5,
-        0.0001154165848898187 * index_ab_1,
+        L::splat(0.0001154165848898187) * index_ab_1,
         index_ab_7 * index_ab_6,
     ) + index_mcp_6;
     let index_mcp_8 = index_mcp_7 + index_mcp_4;
-    matrix[27] = 1.8193617546820962e-5 + index_mcp_7 + index_mcp_8;
+    matrix[27] = L::splat(1.8193617546820962e-5) + index_mcp_7 + index_mcp_8;
     matrix[28] = index_mcp_8;
     let index_mcp_9 = index_mcp_6 + index_mcp_3;
     matrix[29] = index_mcp_9;
@@ -12221,7 +6017,7 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     matrix[55] = index_mcp_3;
     matrix[79] = index_mcp_9;
     matrix[80] = index_mcp_3;
-    matrix[81] = 2.5540671987294797e-7;
+    matrix[81] = L::splat(2.5540671987294797e-7);
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let middle_ab_1 = mul_add(
@@ -12235,129 +6031,52 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         cos_middle_pip,
         sin_middle_mcp * sin_middle_pip,
     );
-    let middle_ab_3 = 2.5633454549032793e-5
+    let middle_ab_3 = L::splat(2.5633454549032793e-5)
         * mul_sub(cos_middle_dip, middle_ab_2, sin_middle_dip * middle_ab_1);
-    let middle_ab_4 = 0.0263 * middle_ab_2 * middle_ab_3;
+    let middle_ab_4 = L::splat(0.0263) * middle_ab_2 * middle_ab_3;
     let middle_ab_5 = mul_add(
-        2.0,
+        L::splat(2.0),
         middle_ab_4,
         neg_mul_add(
             middle_ab_1,
-            3.2860326736109956e-6 * middle_ab_1,
-            1.6430163368054978e-6,
+            L::splat(3.2860326736109956e-6) * middle_ab_1,
+            L::splat(1.6430163368054978e-6),
         ),
     );
-    let middle_ab_6 = 0.00015397952789848317 * middle_ab_2;
-    let middle_ab_7 = 0.0446 * cos_middle_mcp;
+    let middle_ab_6 = L::splat(0.00015397952789848317) * middle_ab_2;
+    let middle_ab_7 = L::splat(0.0446) * cos_middle_mcp;
     let middle_ab_8 = mul_add(
-        2.0,
+        L::splat(2.0),
         middle_ab_7 * (middle_ab_6 + middle_ab_3),
         neg_mul_add(
             sin_middle_mcp,
-            2.5456116591746076e-5 * sin_middle_mcp,
-            1.2728058295873038e-5,
->>>>>>> work-a
+            L::splat(2.5456116591746076e-5) * sin_middle_mcp,
+            L::splat(1.2728058295873038e-5),
         ),
     );
-<<<<<<< HEAD
-    let middle_mcp_1 = L::splat(1.1043010074686771e-7)
-        + mul_add(middle_ab_3, middle_ab_4, middle_ab_18);
-    let middle_mcp_2 = L::splat(4.283482280993526e-7)
-        + mul_add(middle_ab_7, middle_ab_8, middle_ab_19) + middle_mcp_1;
-    matrix[135] = L::splat(8.530529217154657e-6) + middle_mcp_2;
-    let middle_mcp_3 = middle_ab_8 + middle_ab_4;
-    let middle_mcp_4 = neg_mul_add(L::splat(0.0446), middle_mcp_3, middle_mcp_2);
-    matrix[136] = middle_mcp_4;
-    let middle_mcp_5 = middle_mcp_1
-        - mul_add(middle_ab_10, middle_ab_17, middle_ab_2 * middle_ab_4);
-    matrix[137] = middle_mcp_5;
-    matrix[161] = middle_mcp_4;
-    matrix[162] = mul_add(
-        L::splat(0.0446),
-        L::splat(0.00039083406893673523) - middle_mcp_3,
-        middle_mcp_4,
-    );
-    let middle_pip_1 = mul_sub(
-        L::splat(0.0029463740860957233),
-        middle_ab_2,
-        middle_ab_4,
-    );
-    let middle_pip_2 = mul_add(L::splat(0.0446), middle_pip_1, middle_mcp_5);
-    matrix[163] = middle_pip_2;
-    matrix[187] = middle_mcp_5;
-    matrix[188] = middle_pip_2;
-    let middle_dip_1 = mul_add(
-        middle_ab_10,
-        mul_sub(L::splat(7.748963846431752e-5), sin_middle_pip, middle_ab_17),
-        middle_ab_2 * middle_pip_1,
-    );
-    matrix[189] = middle_mcp_5 + middle_dip_1;
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_ab_1 = mul_sub(cos_ring_pip, cos_ring_dip, sin_ring_pip * sin_ring_dip);
-    let ring_ab_2 = mul_add(L::splat(0.0257), cos_ring_pip, L::splat(0.0414));
-    let ring_ab_3 = mul_add(L::splat(0.00865), ring_ab_1, ring_ab_2);
-    let ring_ab_4 = L::splat(0.0029294409016928746) * ring_ab_3;
-    let ring_ab_5 = mul_add(sin_ring_pip, cos_ring_dip, cos_ring_pip * sin_ring_dip);
-    let ring_ab_6 = neg_mul_add(
-        ring_ab_5,
-        L::splat(3.717704624323398e-8) * ring_ab_5,
-        mul_add(ring_ab_3, ring_ab_4, L::splat(1.089483483347094e-7)),
-    );
-    let ring_ab_7 = mul_add(L::splat(0.01285), cos_ring_pip, L::splat(0.0414));
-    let ring_ab_8 = L::splat(0.005684020756286941) * ring_ab_7;
-    let ring_ab_9 = neg_mul_add(
-        sin_ring_pip,
-        L::splat(2.2190890700940578e-7) * sin_ring_pip,
-        mul_add(ring_ab_7, ring_ab_8, L::splat(4.037975712105879e-7)),
-    );
-    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_ab_10 = L::splat(0.0257) * sin_ring_pip;
-    let ring_ab_11 = mul_add(L::splat(0.00865), ring_ab_5, ring_ab_10);
-    let ring_ab_12 = L::splat(3.717704624323398e-8) * ring_ab_1;
-    let ring_ab_13 = L::splat(0.01285) * sin_ring_pip;
-    let ring_ab_14 = L::splat(2.2190890700940578e-7) * cos_ring_pip;
-    let ring_ab_15 = mul_add(ring_ab_13, ring_ab_8, sin_ring_pip * ring_ab_14)
-        + mul_add(ring_ab_11, ring_ab_4, ring_ab_5 * ring_ab_12);
-    let ring_ab_16 = neg_mul_add(
-        sin_ring_mcp,
-        ring_ab_15,
-        cos_ring_mcp * (L::splat(6.855419880173114e-6) + (ring_ab_9 + ring_ab_6)),
-    );
-    let ring_ab_17 = L::splat(0.0029294409016928746) * ring_ab_11;
-    let ring_ab_18 = ring_ab_11 * ring_ab_17;
-    let ring_ab_19 = ring_ab_13 * (L::splat(7.303966671828719e-5) * sin_ring_pip);
-    let ring_ab_20 = neg_mul_add(
-        cos_ring_pip,
-        ring_ab_14,
-        L::splat(4.037975712105879e-7) + ring_ab_19,
-    ) + neg_mul_add(ring_ab_1, ring_ab_12, L::splat(1.089483483347094e-7) + ring_ab_18);
-    matrix[216] = neg_mul_add(
-        sin_ring_mcp,
-        neg_mul_add(
-            sin_ring_mcp,
-            L::splat(4.6933499864261383e-7) + ring_ab_20,
-            cos_ring_mcp * ring_ab_15,
-=======
     let middle_ab_9 = mul_add(cos_middle_dip, middle_ab_1, sin_middle_dip * middle_ab_2);
     matrix[108] = neg_mul_add(
         middle_ab_9,
-        2.612549902141078e-7 * middle_ab_9,
-        1.306274951070539e-7,
-    ) + (1.5265635485041092e-5 + middle_ab_8 + middle_ab_5);
-    let middle_mcp_1 = 2.5633454549032793e-5 * middle_ab_9;
-    let middle_mcp_2 = mul_add(0.0263 * middle_ab_1, middle_mcp_1, middle_ab_4);
-    let middle_mcp_3 = 3.33441155323453e-7 + middle_mcp_2;
-    let middle_mcp_4 = 3.472167765770182e-6 + middle_mcp_2 + middle_mcp_3;
-    let middle_mcp_5 = 0.0446 * sin_middle_mcp;
+        L::splat(2.612549902141078e-7) * middle_ab_9,
+        L::splat(1.306274951070539e-7),
+    ) + (L::splat(1.5265635485041092e-5) + middle_ab_8 + middle_ab_5);
+    let middle_mcp_1 = L::splat(2.5633454549032793e-5) * middle_ab_9;
+    let middle_mcp_2 = mul_add(
+        L::splat(0.0263) * middle_ab_1,
+        middle_mcp_1,
+        middle_ab_4,
+    );
+    let middle_mcp_3 = L::splat(3.33441155323453e-7) + middle_mcp_2;
+    let middle_mcp_4 = L::splat(3.472167765770182e-6) + middle_mcp_2 + middle_mcp_3;
+    let middle_mcp_5 = L::splat(0.0446) * sin_middle_mcp;
     let middle_mcp_6 = mul_add(middle_mcp_5, middle_mcp_1, middle_ab_7 * middle_ab_3);
     let middle_mcp_7 = mul_add(
         middle_mcp_5,
-        0.00015397952789848317 * middle_ab_1,
+        L::splat(0.00015397952789848317) * middle_ab_1,
         middle_ab_7 * middle_ab_6,
     ) + middle_mcp_6;
     let middle_mcp_8 = middle_mcp_7 + middle_mcp_4;
-    matrix[135] = 2.5961728691733047e-5 + middle_mcp_7 + middle_mcp_8;
+    matrix[135] = L::splat(2.5961728691733047e-5) + middle_mcp_7 + middle_mcp_8;
     matrix[136] = middle_mcp_8;
     let middle_mcp_9 = middle_mcp_6 + middle_mcp_3;
     matrix[137] = middle_mcp_9;
@@ -12366,139 +6085,54 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     matrix[163] = middle_mcp_3;
     matrix[187] = middle_mcp_9;
     matrix[188] = middle_mcp_3;
-    matrix[189] = 3.33441155323453e-7;
+    matrix[189] = L::splat(3.33441155323453e-7);
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let ring_ab_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
     let ring_ab_2 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
-    let ring_ab_3 = 2.5339663799643364e-5
+    let ring_ab_3 = L::splat(2.5339663799643364e-5)
         * mul_sub(cos_ring_dip, ring_ab_2, sin_ring_dip * ring_ab_1);
-    let ring_ab_4 = 0.0257 * ring_ab_2 * ring_ab_3;
+    let ring_ab_4 = L::splat(0.0257) * ring_ab_2 * ring_ab_3;
     let ring_ab_5 = mul_add(
-        2.0,
+        L::splat(2.0),
         ring_ab_4,
-        neg_mul_add(ring_ab_1, 3.095335045498523e-6 * ring_ab_1, 1.5476675227492616e-6),
+        neg_mul_add(
+            ring_ab_1,
+            L::splat(3.095335045498523e-6) * ring_ab_1,
+            L::splat(1.5476675227492616e-6),
+        ),
     );
-    let ring_ab_6 = 0.00014832629789179408 * ring_ab_2;
-    let ring_ab_7 = 0.0414 * cos_ring_mcp;
+    let ring_ab_6 = L::splat(0.00014832629789179408) * ring_ab_2;
+    let ring_ab_7 = L::splat(0.0414) * cos_ring_mcp;
     let ring_ab_8 = mul_add(
-        2.0,
+        L::splat(2.0),
         ring_ab_7 * (ring_ab_6 + ring_ab_3),
         neg_mul_add(
             sin_ring_mcp,
-            2.1149213624841585e-5 * sin_ring_mcp,
-            1.0574606812420793e-5,
->>>>>>> work-a
+            L::splat(2.1149213624841585e-5) * sin_ring_mcp,
+            L::splat(1.0574606812420793e-5),
         ),
     );
-<<<<<<< HEAD
-    let ring_mcp_1 = L::splat(1.089483483347094e-7)
-        + mul_add(ring_ab_3, ring_ab_4, ring_ab_18);
-    let ring_mcp_2 = L::splat(4.037975712105879e-7)
-        + mul_add(ring_ab_7, ring_ab_8, ring_ab_19) + ring_mcp_1;
-    matrix[243] = L::splat(6.855419880173114e-6) + ring_mcp_2;
-    let ring_mcp_3 = ring_ab_8 + ring_ab_4;
-    let ring_mcp_4 = neg_mul_add(L::splat(0.0414), ring_mcp_3, ring_mcp_2);
-    matrix[244] = ring_mcp_4;
-    let ring_mcp_5 = ring_mcp_1 - mul_add(ring_ab_10, ring_ab_17, ring_ab_2 * ring_ab_4);
-    matrix[245] = ring_mcp_5;
-    matrix[269] = ring_mcp_4;
-    matrix[270] = mul_add(
-        L::splat(0.0414),
-        L::splat(0.0003565973126403644) - ring_mcp_3,
-        ring_mcp_4,
-    );
-    let ring_pip_1 = mul_sub(L::splat(0.0029294409016928746), ring_ab_2, ring_ab_4);
-    let ring_pip_2 = mul_add(L::splat(0.0414), ring_pip_1, ring_mcp_5);
-    matrix[271] = ring_pip_2;
-    matrix[295] = ring_mcp_5;
-    matrix[296] = ring_pip_2;
-    let ring_dip_1 = mul_add(
-        ring_ab_10,
-        mul_sub(L::splat(7.528663117350688e-5), sin_ring_pip, ring_ab_17),
-        ring_ab_2 * ring_pip_1,
-    );
-    matrix[297] = ring_mcp_5 + ring_dip_1;
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_ab_1 = mul_sub(
-        cos_little_pip,
-        cos_little_dip,
-        sin_little_pip * sin_little_dip,
-    );
-    let little_ab_2 = mul_add(L::splat(0.0181), cos_little_pip, L::splat(0.0327));
-    let little_ab_3 = mul_add(L::splat(0.008), little_ab_1, little_ab_2);
-    let little_ab_4 = L::splat(0.002709309504455838) * little_ab_3;
-    let little_ab_5 = mul_add(
-        sin_little_pip,
-        cos_little_dip,
-        cos_little_pip * sin_little_dip,
-    );
-    let little_ab_6 = neg_mul_add(
-        little_ab_5,
-        L::splat(2.4609561332140534e-8) * little_ab_5,
-        mul_add(little_ab_3, little_ab_4, L::splat(9.098764419130856e-8)),
-    );
-    let little_ab_7 = mul_add(L::splat(0.00905), cos_little_pip, L::splat(0.0327));
-    let little_ab_8 = L::splat(0.004003143022910258) * little_ab_7;
-    let little_ab_9 = neg_mul_add(
-        sin_little_pip,
-        L::splat(4.523885211140502e-8) * sin_little_pip,
-        mul_add(little_ab_7, little_ab_8, L::splat(1.7333942884453325e-7)),
-    );
-    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_ab_10 = L::splat(0.0181) * sin_little_pip;
-    let little_ab_11 = mul_add(L::splat(0.008), little_ab_5, little_ab_10);
-    let little_ab_12 = L::splat(2.4609561332140534e-8) * little_ab_1;
-    let little_ab_13 = L::splat(0.00905) * sin_little_pip;
-    let little_ab_14 = L::splat(4.523885211140502e-8) * cos_little_pip;
-    let little_ab_15 = mul_add(little_ab_13, little_ab_8, sin_little_pip * little_ab_14)
-        + mul_add(little_ab_11, little_ab_4, little_ab_5 * little_ab_12);
-    let little_ab_16 = neg_mul_add(
-        sin_little_mcp,
-        little_ab_15,
-        cos_little_mcp * (L::splat(3.4478462505758233e-6) + (little_ab_9 + little_ab_6)),
-    );
-    let little_ab_17 = L::splat(0.002709309504455838) * little_ab_11;
-    let little_ab_18 = little_ab_11 * little_ab_17;
-    let little_ab_19 = little_ab_13 * (L::splat(3.622844435733784e-5) * sin_little_pip);
-    let little_ab_20 = neg_mul_add(
-        cos_little_pip,
-        little_ab_14,
-        L::splat(1.7333942884453325e-7) + little_ab_19,
-    )
-        + neg_mul_add(
-            little_ab_1,
-            little_ab_12,
-            L::splat(9.098764419130856e-8) + little_ab_18,
-        );
-    matrix[324] = neg_mul_add(
-        sin_little_mcp,
-        neg_mul_add(
-            sin_little_mcp,
-            L::splat(3.7070662936264426e-7) + little_ab_20,
-            cos_little_mcp * little_ab_15,
-=======
     let ring_ab_9 = mul_add(cos_ring_dip, ring_ab_1, sin_ring_dip * ring_ab_2);
     matrix[216] = neg_mul_add(
         ring_ab_9,
-        2.5636513811014907e-7 * ring_ab_9,
-        1.2818256905507453e-7,
-    ) + (1.29734518691604e-5 + ring_ab_8 + ring_ab_5);
-    let ring_mcp_1 = 2.5339663799643364e-5 * ring_ab_9;
-    let ring_mcp_2 = mul_add(0.0257 * ring_ab_1, ring_mcp_1, ring_ab_4);
-    let ring_mcp_3 = 3.2813644020162447e-7 + ring_mcp_2;
-    let ring_mcp_4 = 3.277223709699705e-6 + ring_mcp_2 + ring_mcp_3;
-    let ring_mcp_5 = 0.0414 * sin_ring_mcp;
+        L::splat(2.5636513811014907e-7) * ring_ab_9,
+        L::splat(1.2818256905507453e-7),
+    ) + (L::splat(1.29734518691604e-5) + ring_ab_8 + ring_ab_5);
+    let ring_mcp_1 = L::splat(2.5339663799643364e-5) * ring_ab_9;
+    let ring_mcp_2 = mul_add(L::splat(0.0257) * ring_ab_1, ring_mcp_1, ring_ab_4);
+    let ring_mcp_3 = L::splat(3.2813644020162447e-7) + ring_mcp_2;
+    let ring_mcp_4 = L::splat(3.277223709699705e-6) + ring_mcp_2 + ring_mcp_3;
+    let ring_mcp_5 = L::splat(0.0414) * sin_ring_mcp;
     let ring_mcp_6 = mul_add(ring_mcp_5, ring_mcp_1, ring_ab_7 * ring_ab_3);
     let ring_mcp_7 = mul_add(
         ring_mcp_5,
-        0.00014832629789179408 * ring_ab_1,
+        L::splat(0.00014832629789179408) * ring_ab_1,
         ring_ab_7 * ring_ab_6,
     ) + ring_mcp_6;
     let ring_mcp_8 = ring_mcp_7 + ring_mcp_4;
-    matrix[243] = 2.16185486234842e-5 + ring_mcp_7 + ring_mcp_8;
+    matrix[243] = L::splat(2.16185486234842e-5) + ring_mcp_7 + ring_mcp_8;
     matrix[244] = ring_mcp_8;
     let ring_mcp_9 = ring_mcp_6 + ring_mcp_3;
     matrix[245] = ring_mcp_9;
@@ -12507,7 +6141,7 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     matrix[271] = ring_mcp_3;
     matrix[295] = ring_mcp_9;
     matrix[296] = ring_mcp_3;
-    matrix[297] = 3.2813644020162447e-7;
+    matrix[297] = L::splat(3.2813644020162447e-7);
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
     let little_ab_1 = mul_add(
@@ -12521,138 +6155,52 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         cos_little_pip,
         sin_little_mcp * sin_little_pip,
     );
-    let little_ab_3 = 2.1674476035646702e-5
+    let little_ab_3 = L::splat(2.1674476035646702e-5)
         * mul_sub(cos_little_dip, little_ab_2, sin_little_dip * little_ab_1);
-    let little_ab_4 = 0.0181 * little_ab_2 * little_ab_3;
+    let little_ab_4 = L::splat(0.0181) * little_ab_2 * little_ab_3;
     let little_ab_5 = mul_add(
-        2.0,
+        L::splat(2.0),
         little_ab_4,
         neg_mul_add(
             little_ab_1,
-            1.2607031603000897e-6 * little_ab_1,
-            6.303515801500448e-7,
+            L::splat(1.2607031603000897e-6) * little_ab_1,
+            L::splat(6.303515801500448e-7),
         ),
     );
-    let little_ab_6 = 8.52669463879885e-5 * little_ab_2;
-    let little_ab_7 = 0.0327 * cos_little_mcp;
+    let little_ab_6 = L::splat(8.52669463879885e-5) * little_ab_2;
+    let little_ab_7 = L::splat(0.0327) * cos_little_mcp;
     let little_ab_8 = mul_add(
-        2.0,
+        L::splat(2.0),
         little_ab_7 * (little_ab_6 + little_ab_3),
         neg_mul_add(
             sin_little_mcp,
-            1.0254697984200472e-5 * sin_little_mcp,
-            5.127348992100236e-6,
->>>>>>> work-a
+            L::splat(1.0254697984200472e-5) * sin_little_mcp,
+            L::splat(5.127348992100236e-6),
         ),
     );
-<<<<<<< HEAD
-    let little_mcp_1 = L::splat(9.098764419130856e-8)
-        + mul_add(little_ab_3, little_ab_4, little_ab_18);
-    let little_mcp_2 = L::splat(1.7333942884453325e-7)
-        + mul_add(little_ab_7, little_ab_8, little_ab_19) + little_mcp_1;
-    matrix[351] = L::splat(3.4478462505758233e-6) + little_mcp_2;
-    let little_mcp_3 = little_ab_8 + little_ab_4;
-    let little_mcp_4 = neg_mul_add(L::splat(0.0327), little_mcp_3, little_mcp_2);
-    matrix[352] = little_mcp_4;
-    let little_mcp_5 = little_mcp_1
-        - mul_add(little_ab_10, little_ab_17, little_ab_2 * little_ab_4);
-    matrix[353] = little_mcp_5;
-    matrix[377] = little_mcp_4;
-    matrix[378] = mul_add(
-        L::splat(0.0327),
-        L::splat(0.00021949719764487134) - little_mcp_3,
-        little_mcp_4,
-    );
-    let little_pip_1 = mul_sub(L::splat(0.002709309504455838), little_ab_2, little_ab_4);
-    let little_pip_2 = mul_add(L::splat(0.0327), little_pip_1, little_mcp_5);
-    matrix[379] = little_pip_2;
-    matrix[403] = little_mcp_5;
-    matrix[404] = little_pip_2;
-    let little_dip_1 = mul_add(
-        little_ab_10,
-        mul_sub(L::splat(4.903850203065067e-5), sin_little_pip, little_ab_17),
-        little_ab_2 * little_pip_1,
-    );
-    matrix[405] = little_mcp_5 + little_dip_1;
-    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_ab_1 = mul_sub(cos_thumb_mcp, cos_thumb_ip, sin_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_2 = mul_add(
-        L::splat(0.0316),
-        cos_thumb_mcp,
-        L::splat(0.046200000000000005),
-    );
-    let thumb_ab_3 = mul_add(L::splat(0.01085), thumb_ab_1, thumb_ab_2);
-    let thumb_ab_4 = L::splat(0.006074175147936257) * thumb_ab_3;
-    let thumb_ab_5 = mul_add(sin_thumb_mcp, cos_thumb_ip, cos_thumb_mcp * sin_thumb_ip);
-    let thumb_ab_6 = neg_mul_add(
-        thumb_ab_5,
-        L::splat(1.1535364787193289e-7) * thumb_ab_5,
-        mul_add(thumb_ab_3, thumb_ab_4, L::splat(3.6135774136335126e-7)),
-    );
-    let thumb_ab_7 = mul_add(
-        L::splat(0.0158),
-        cos_thumb_mcp,
-        L::splat(0.046200000000000005),
-    );
-    let thumb_ab_8 = L::splat(0.010920176063878123) * thumb_ab_7;
-    let thumb_ab_9 = neg_mul_add(
-        sin_thumb_mcp,
-        L::splat(6.356998492652254e-7) * sin_thumb_mcp,
-        mul_add(thumb_ab_7, thumb_ab_8, L::splat(1.1817086524591316e-6)),
-    );
-    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_ab_10 = L::splat(0.0316) * sin_thumb_mcp;
-    let thumb_ab_11 = mul_add(L::splat(0.01085), thumb_ab_5, thumb_ab_10);
-    let thumb_ab_12 = L::splat(1.1535364787193289e-7) * thumb_ab_1;
-    let thumb_ab_13 = L::splat(0.0158) * sin_thumb_mcp;
-    let thumb_ab_14 = L::splat(6.356998492652254e-7) * cos_thumb_mcp;
-    let thumb_ab_15 = mul_add(thumb_ab_13, thumb_ab_8, sin_thumb_mcp * thumb_ab_14)
-        + mul_add(thumb_ab_11, thumb_ab_4, thumb_ab_5 * thumb_ab_12);
-    let thumb_ab_16 = neg_mul_add(
-        sin_thumb_cmc,
-        thumb_ab_15,
-        cos_thumb_cmc * (L::splat(1.4328995574980243e-5) + (thumb_ab_9 + thumb_ab_6)),
-    );
-    let thumb_ab_17 = L::splat(0.006074175147936257) * thumb_ab_11;
-    let thumb_ab_18 = thumb_ab_11 * thumb_ab_17;
-    let thumb_ab_19 = thumb_ab_13 * (L::splat(0.00017253878180927438) * sin_thumb_mcp);
-    let thumb_ab_20 = neg_mul_add(
-        cos_thumb_mcp,
-        thumb_ab_14,
-        L::splat(1.1817086524591316e-6) + thumb_ab_19,
-    )
-        + neg_mul_add(
-            thumb_ab_1,
-            thumb_ab_12,
-            L::splat(3.6135774136335126e-7) + thumb_ab_18,
-        );
-    matrix[432] = neg_mul_add(
-        sin_thumb_cmc,
-        neg_mul_add(
-            sin_thumb_cmc,
-            L::splat(1.1687598348270992e-6) + thumb_ab_20,
-            cos_thumb_cmc * thumb_ab_15,
-=======
     let little_ab_9 = mul_add(cos_little_dip, little_ab_1, sin_little_dip * little_ab_2);
     matrix[324] = neg_mul_add(
         little_ab_9,
-        1.980053696173141e-7 * little_ab_9,
-        9.900268480865706e-8,
-    ) + (6.421888546013878e-6 + little_ab_8 + little_ab_5);
-    let little_mcp_1 = 2.1674476035646702e-5 * little_ab_9;
-    let little_mcp_2 = mul_add(0.0181 * little_ab_1, little_mcp_1, little_ab_4);
-    let little_mcp_3 = 2.6438345247648215e-7 + little_mcp_2;
-    let little_mcp_4 = 1.388803737033218e-6 + little_mcp_2 + little_mcp_3;
-    let little_mcp_5 = 0.0327 * sin_little_mcp;
+        L::splat(1.980053696173141e-7) * little_ab_9,
+        L::splat(9.900268480865706e-8),
+    ) + (L::splat(6.421888546013878e-6) + little_ab_8 + little_ab_5);
+    let little_mcp_1 = L::splat(2.1674476035646702e-5) * little_ab_9;
+    let little_mcp_2 = mul_add(
+        L::splat(0.0181) * little_ab_1,
+        little_mcp_1,
+        little_ab_4,
+    );
+    let little_mcp_3 = L::splat(2.6438345247648215e-7) + little_mcp_2;
+    let little_mcp_4 = L::splat(1.388803737033218e-6) + little_mcp_2 + little_mcp_3;
+    let little_mcp_5 = L::splat(0.0327) * sin_little_mcp;
     let little_mcp_6 = mul_add(little_mcp_5, little_mcp_1, little_ab_7 * little_ab_3);
     let little_mcp_7 = mul_add(
         little_mcp_5,
-        8.52669463879885e-5 * little_ab_1,
+        L::splat(8.52669463879885e-5) * little_ab_1,
         little_ab_7 * little_ab_6,
     ) + little_mcp_6;
     let little_mcp_8 = little_mcp_7 + little_mcp_4;
-    matrix[351] = 1.0625404613563116e-5 + little_mcp_7 + little_mcp_8;
+    matrix[351] = L::splat(1.0625404613563116e-5) + little_mcp_7 + little_mcp_8;
     matrix[352] = little_mcp_8;
     let little_mcp_9 = little_mcp_6 + little_mcp_3;
     matrix[353] = little_mcp_9;
@@ -12661,7 +6209,7 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     matrix[379] = little_mcp_3;
     matrix[403] = little_mcp_9;
     matrix[404] = little_mcp_3;
-    matrix[405] = 2.6438345247648215e-7;
+    matrix[405] = L::splat(2.6438345247648215e-7);
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_ab_1 = mul_add(
@@ -12675,83 +6223,48 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
         cos_thumb_mcp,
         sin_thumb_cmc * sin_thumb_mcp,
     );
-    let thumb_ab_3 = 6.59048003551084e-5
+    let thumb_ab_3 = L::splat(6.59048003551084e-5)
         * mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
-    let thumb_ab_4 = 0.0316 * thumb_ab_2 * thumb_ab_3;
+    let thumb_ab_4 = L::splat(0.0316) * thumb_ab_2 * thumb_ab_3;
     let thumb_ab_5 = mul_add(
-        2.0,
+        L::splat(2.0),
         thumb_ab_4,
-        neg_mul_add(thumb_ab_1, 9.42724093757499e-6 * thumb_ab_1, 4.713620468787495e-6),
+        neg_mul_add(
+            thumb_ab_1,
+            L::splat(9.42724093757499e-6) * thumb_ab_1,
+            L::splat(4.713620468787495e-6),
+        ),
     );
-    let thumb_ab_6 = 0.00036448271648406014 * thumb_ab_2;
-    let thumb_ab_7 = 0.046200000000000005 * cos_thumb_cmc;
+    let thumb_ab_6 = L::splat(0.00036448271648406014) * thumb_ab_2;
+    let thumb_ab_7 = L::splat(0.046200000000000005) * cos_thumb_cmc;
     let thumb_ab_8 = mul_add(
-        2.0,
+        L::splat(2.0),
         thumb_ab_7 * (thumb_ab_6 + thumb_ab_3),
         neg_mul_add(
             sin_thumb_cmc,
-            4.943365874069823e-5 * sin_thumb_cmc,
-            2.4716829370349116e-5,
->>>>>>> work-a
+            L::splat(4.943365874069823e-5) * sin_thumb_cmc,
+            L::splat(2.4716829370349116e-5),
         ),
     );
-<<<<<<< HEAD
-    let thumb_cmc_1 = L::splat(3.6135774136335126e-7)
-        + mul_add(thumb_ab_3, thumb_ab_4, thumb_ab_18);
-    let thumb_cmc_2 = L::splat(1.1817086524591316e-6)
-        + mul_add(thumb_ab_7, thumb_ab_8, thumb_ab_19) + thumb_cmc_1;
-    matrix[459] = L::splat(1.4328995574980243e-5) + thumb_cmc_2;
-    let thumb_cmc_3 = thumb_ab_8 + thumb_ab_4;
-    let thumb_cmc_4 = neg_mul_add(
-        L::splat(0.046200000000000005),
-        thumb_cmc_3,
-        thumb_cmc_2,
-    );
-    matrix[460] = thumb_cmc_4;
-    let thumb_cmc_5 = thumb_cmc_1
-        - mul_add(thumb_ab_10, thumb_ab_17, thumb_ab_2 * thumb_ab_4);
-    matrix[461] = thumb_cmc_5;
-    matrix[485] = thumb_cmc_4;
-    matrix[486] = mul_add(
-        L::splat(0.046200000000000005),
-        L::splat(0.0007851390259858244) - thumb_cmc_3,
-        thumb_cmc_4,
-    );
-    let thumb_mcp_1 = mul_sub(L::splat(0.006074175147936257), thumb_ab_2, thumb_ab_4);
-    let thumb_mcp_2 = mul_add(L::splat(0.046200000000000005), thumb_mcp_1, thumb_cmc_5);
-    matrix[487] = thumb_mcp_2;
-    matrix[511] = thumb_cmc_5;
-    matrix[512] = thumb_mcp_2;
-    let thumb_ip_1 = mul_add(
-        thumb_ab_10,
-        mul_sub(L::splat(0.00019194393467478576), sin_thumb_mcp, thumb_ab_17),
-        thumb_ab_2 * thumb_mcp_1,
-    );
-    matrix[513] = thumb_cmc_5 + thumb_ip_1;
-    matrix[540] = L::splat(0.1);
-    matrix[567] = L::splat(0.1);
-    matrix[594] = L::splat(0.1);
-    matrix[621] = L::splat(4.900000000000001e-5);
-=======
     let thumb_ab_9 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
     matrix[432] = neg_mul_add(
         thumb_ab_9,
-        8.304207317248589e-7 * thumb_ab_9,
-        4.1521036586242944e-7,
-    ) + (3.180643293651146e-5 + thumb_ab_8 + thumb_ab_5);
-    let thumb_cmc_1 = 6.59048003551084e-5 * thumb_ab_9;
-    let thumb_cmc_2 = mul_add(0.0316 * thumb_ab_1, thumb_cmc_1, thumb_ab_4);
-    let thumb_cmc_3 = 1.0764248252162773e-6 + thumb_cmc_2;
-    let thumb_cmc_4 = 9.973249740768897e-6 + thumb_cmc_2 + thumb_cmc_3;
-    let thumb_cmc_5 = 0.046200000000000005 * sin_thumb_cmc;
+        L::splat(8.304207317248589e-7) * thumb_ab_9,
+        L::splat(4.1521036586242944e-7),
+    ) + (L::splat(3.180643293651146e-5) + thumb_ab_8 + thumb_ab_5);
+    let thumb_cmc_1 = L::splat(6.59048003551084e-5) * thumb_ab_9;
+    let thumb_cmc_2 = mul_add(L::splat(0.0316) * thumb_ab_1, thumb_cmc_1, thumb_ab_4);
+    let thumb_cmc_3 = L::splat(1.0764248252162773e-6) + thumb_cmc_2;
+    let thumb_cmc_4 = L::splat(9.973249740768897e-6) + thumb_cmc_2 + thumb_cmc_3;
+    let thumb_cmc_5 = L::splat(0.046200000000000005) * sin_thumb_cmc;
     let thumb_cmc_6 = mul_add(thumb_cmc_5, thumb_cmc_1, thumb_ab_7 * thumb_ab_3);
     let thumb_cmc_7 = mul_add(
         thumb_cmc_5,
-        0.00036448271648406014 * thumb_ab_1,
+        L::splat(0.00036448271648406014) * thumb_ab_1,
         thumb_ab_7 * thumb_ab_6,
     ) + thumb_cmc_6;
     let thumb_cmc_8 = thumb_cmc_7 + thumb_cmc_4;
-    matrix[459] = 5.060241857552533e-5 + thumb_cmc_7 + thumb_cmc_8;
+    matrix[459] = L::splat(5.060241857552533e-5) + thumb_cmc_7 + thumb_cmc_8;
     matrix[460] = thumb_cmc_8;
     let thumb_cmc_9 = thumb_cmc_6 + thumb_cmc_3;
     matrix[461] = thumb_cmc_9;
@@ -12760,12 +6273,11 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
     matrix[487] = thumb_cmc_3;
     matrix[511] = thumb_cmc_9;
     matrix[512] = thumb_cmc_3;
-    matrix[513] = 1.0764248252162773e-6;
-    matrix[540] = 0.1;
-    matrix[567] = 0.1;
-    matrix[594] = 0.1;
-    matrix[621] = 4.900000000000001e-5;
->>>>>>> work-a
+    matrix[513] = L::splat(1.0764248252162773e-6);
+    matrix[540] = L::splat(0.1);
+    matrix[567] = L::splat(0.1);
+    matrix[594] = L::splat(0.1);
+    matrix[621] = L::splat(4.900000000000001e-5);
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
     let ball_rx_1 = L::splat(4.900000000000001e-5) * sin_ball_ry;
     matrix[623] = ball_rx_1;
@@ -12798,7 +6310,7 @@ pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-/// 668 operations: 108 sums, 123 products, 184 products with sum, 49 roots, 20 sines and cosines.
+/// 641 operations: 135 sums, 121 products, 158 products with sum, 49 roots, 20 sines and cosines.
 #[inline(always)]
 pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
     let q_index_ab = q[0];
@@ -12841,27 +6353,25 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         mul_add(index_fdp_1, index_fdp_1, index_fdp_2 * index_fdp_2),
     );
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_fdp_5 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(3.1487999999999994e-5),
-            cos_index_pip,
-            L::splat(0.000172672) * sin_index_pip,
-        ),
-        L::splat(0.000354510464),
+    let index_fdp_5 = sqrt(
+        L::splat(0.000354510464)
+            - neg_mul_add(
+                L::splat(6.297599999999999e-5),
+                cos_index_pip,
+                L::splat(0.000345344) * sin_index_pip,
+            ),
     );
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_fdp_6 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(7.315840000000005e-6),
-            cos_index_dip,
-            L::splat(7.6342e-5) * sin_index_dip,
-        ),
-        L::splat(0.00015491888400000003),
+    let index_fdp_6 = sqrt(
+        L::splat(0.00015491888400000003)
+            - mul_add(
+                L::splat(1.463168000000001e-5),
+                cos_index_dip,
+                L::splat(0.000152684) * sin_index_dip,
+            ),
     );
-    lengths[0] = L::splat(0.12972844537042483) + sqrt(index_fdp_4) + sqrt(index_fdp_5)
-        + sqrt(index_fdp_6);
+    lengths[0] = L::splat(0.12972844537042483) + sqrt(index_fdp_4) + index_fdp_5
+        + index_fdp_6;
     let index_edc_1 = mul_add(
         L::splat(0.002999999999999997),
         cos_index_ab,
@@ -12879,16 +6389,15 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         index_edc_3,
         mul_add(index_edc_1, index_edc_1, index_edc_2 * index_edc_2),
     );
-    let index_edc_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_index_pip,
-            L::splat(3.6000000000000014e-5) * sin_index_pip,
-        ),
-        L::splat(0.00016999999999999999),
+    let index_edc_5 = sqrt(
+        L::splat(0.00016999999999999999)
+            - mul_sub(
+                L::splat(0.00015399999999999998),
+                cos_index_pip,
+                L::splat(7.200000000000003e-5) * sin_index_pip,
+            ),
     );
-    lengths[1] = L::splat(0.14993665655140606) + sqrt(index_edc_4) + sqrt(index_edc_5);
+    lengths[1] = L::splat(0.14993665655140606) + sqrt(index_edc_4) + index_edc_5;
     let index_interosseous_1 = L::splat(0.008) * cos_index_mcp;
     let index_interosseous_2 = neg_mul_add(
         L::splat(0.001),
@@ -12937,26 +6446,24 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         index_band_3,
         mul_add(index_band_1, index_band_1, index_band_2 * index_band_2),
     );
-    let index_band_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.6999999999999985e-5),
-            cos_index_pip,
-            L::splat(3.600000000000002e-5) * sin_index_pip,
-        ),
-        L::splat(9.000000000000003e-5),
+    let index_band_5 = sqrt(
+        L::splat(9.000000000000003e-5)
+            - mul_sub(
+                L::splat(5.399999999999997e-5),
+                cos_index_pip,
+                L::splat(7.200000000000004e-5) * sin_index_pip,
+            ),
     );
-    let index_band_6 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.825e-5),
-            cos_index_dip,
-            L::splat(2.5999999999999988e-5) * sin_index_dip,
-        ),
-        L::splat(9.649999999999999e-5),
+    let index_band_6 = sqrt(
+        L::splat(9.649999999999999e-5)
+            - mul_sub(
+                L::splat(7.65e-5),
+                cos_index_dip,
+                L::splat(5.1999999999999976e-5) * sin_index_dip,
+            ),
     );
-    lengths[3] = L::splat(0.09421199494172741) + sqrt(index_band_4) + sqrt(index_band_5)
-        + sqrt(index_band_6);
+    lengths[3] = L::splat(0.09421199494172741) + sqrt(index_band_4) + index_band_5
+        + index_band_6;
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
     let middle_fdp_1 = mul_add(
@@ -12973,27 +6480,25 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         mul_add(middle_fdp_1, middle_fdp_1, middle_fdp_2 * middle_fdp_2),
     );
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_fdp_5 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(4.9505999999999956e-5),
-            cos_middle_pip,
-            L::splat(0.00018741399999999995) * sin_middle_pip,
-        ),
-        L::splat(0.00038801411599999986),
+    let middle_fdp_5 = sqrt(
+        L::splat(0.00038801411599999986)
+            - neg_mul_add(
+                L::splat(9.901199999999991e-5),
+                cos_middle_pip,
+                L::splat(0.0003748279999999999) * sin_middle_pip,
+            ),
     );
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let middle_fdp_6 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(2.8467600000000052e-6),
-            cos_middle_dip,
-            L::splat(8.681400000000001e-5) * sin_middle_dip,
-        ),
-        L::splat(0.00017631659600000004),
+    let middle_fdp_6 = sqrt(
+        L::splat(0.00017631659600000004)
+            - neg_mul_add(
+                L::splat(5.6935200000000105e-6),
+                cos_middle_dip,
+                L::splat(0.00017362800000000003) * sin_middle_dip,
+            ),
     );
-    lengths[4] = L::splat(0.13218112782147726) + sqrt(middle_fdp_4) + sqrt(middle_fdp_5)
-        + sqrt(middle_fdp_6);
+    lengths[4] = L::splat(0.13218112782147726) + sqrt(middle_fdp_4) + middle_fdp_5
+        + middle_fdp_6;
     let middle_edc_1 = mul_add(
         L::splat(0.0030000000000000027),
         cos_middle_ab,
@@ -13007,16 +6512,15 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         middle_edc_3,
         mul_add(middle_edc_1, middle_edc_1, middle_edc_2 * middle_edc_2),
     );
-    let middle_edc_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_middle_pip,
-            L::splat(3.6000000000000014e-5) * sin_middle_pip,
-        ),
-        L::splat(0.00016999999999999999),
+    let middle_edc_5 = sqrt(
+        L::splat(0.00016999999999999999)
+            - mul_sub(
+                L::splat(0.00015399999999999998),
+                cos_middle_pip,
+                L::splat(7.200000000000003e-5) * sin_middle_pip,
+            ),
     );
-    lengths[5] = L::splat(0.15123287910466324) + sqrt(middle_edc_4) + sqrt(middle_edc_5);
+    lengths[5] = L::splat(0.15123287910466324) + sqrt(middle_edc_4) + middle_edc_5;
     let middle_interosseous_1 = L::splat(0.007999999999999993) * cos_middle_ab;
     let middle_interosseous_2 = L::splat(0.008) * cos_middle_mcp;
     let middle_interosseous_3 = neg_mul_add(
@@ -13051,26 +6555,24 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         middle_band_3,
         mul_add(middle_band_1, middle_band_1, middle_band_2 * middle_band_2),
     );
-    let middle_band_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.6999999999999985e-5),
-            cos_middle_pip,
-            L::splat(3.600000000000002e-5) * sin_middle_pip,
-        ),
-        L::splat(9.000000000000003e-5),
+    let middle_band_5 = sqrt(
+        L::splat(9.000000000000003e-5)
+            - mul_sub(
+                L::splat(5.399999999999997e-5),
+                cos_middle_pip,
+                L::splat(7.200000000000004e-5) * sin_middle_pip,
+            ),
     );
-    let middle_band_6 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.825e-5),
-            cos_middle_dip,
-            L::splat(2.5999999999999988e-5) * sin_middle_dip,
-        ),
-        L::splat(9.649999999999999e-5),
+    let middle_band_6 = sqrt(
+        L::splat(9.649999999999999e-5)
+            - mul_sub(
+                L::splat(7.65e-5),
+                cos_middle_dip,
+                L::splat(5.1999999999999976e-5) * sin_middle_dip,
+            ),
     );
-    lengths[7] = L::splat(0.09905932921879514) + sqrt(middle_band_4)
-        + sqrt(middle_band_5) + sqrt(middle_band_6);
+    lengths[7] = L::splat(0.09905932921879514) + sqrt(middle_band_4) + middle_band_5
+        + middle_band_6;
     let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_fdp_1 = mul_add(
@@ -13091,27 +6593,25 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         mul_add(ring_fdp_1, ring_fdp_1, ring_fdp_2 * ring_fdp_2),
     );
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_fdp_5 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(4.673399999999999e-5),
-            cos_ring_pip,
-            L::splat(0.000185146) * sin_ring_pip,
-        ),
-        L::splat(0.00038251043599999996),
+    let ring_fdp_5 = sqrt(
+        L::splat(0.00038251043599999996)
+            - neg_mul_add(
+                L::splat(9.346799999999998e-5),
+                cos_ring_pip,
+                L::splat(0.000370292) * sin_ring_pip,
+            ),
     );
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let ring_fdp_6 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(1.571779999999996e-6),
-            cos_ring_dip,
-            L::splat(8.5561e-5) * sin_ring_dip,
-        ),
-        L::splat(0.00017344544100000002),
+    let ring_fdp_6 = sqrt(
+        L::splat(0.00017344544100000002)
+            - neg_mul_add(
+                L::splat(3.143559999999992e-6),
+                cos_ring_dip,
+                L::splat(0.000171122) * sin_ring_dip,
+            ),
     );
-    lengths[8] = L::splat(0.1222069424434041) + sqrt(ring_fdp_4) + sqrt(ring_fdp_5)
-        + sqrt(ring_fdp_6);
+    lengths[8] = L::splat(0.1222069424434041) + sqrt(ring_fdp_4) + ring_fdp_5
+        + ring_fdp_6;
     let ring_edc_1 = mul_add(
         L::splat(0.003000000000000002),
         cos_ring_ab,
@@ -13129,16 +6629,15 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         ring_edc_3,
         mul_add(ring_edc_1, ring_edc_1, ring_edc_2 * ring_edc_2),
     );
-    let ring_edc_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_ring_pip,
-            L::splat(3.6000000000000014e-5) * sin_ring_pip,
-        ),
-        L::splat(0.00016999999999999999),
+    let ring_edc_5 = sqrt(
+        L::splat(0.00016999999999999999)
+            - mul_sub(
+                L::splat(0.00015399999999999998),
+                cos_ring_pip,
+                L::splat(7.200000000000003e-5) * sin_ring_pip,
+            ),
     );
-    lengths[9] = L::splat(0.14143565528020308) + sqrt(ring_edc_4) + sqrt(ring_edc_5);
+    lengths[9] = L::splat(0.14143565528020308) + sqrt(ring_edc_4) + ring_edc_5;
     let ring_interosseous_1 = L::splat(0.008) * cos_ring_mcp;
     let ring_interosseous_2 = mul_add(
         L::splat(0.008),
@@ -13183,26 +6682,24 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         ring_band_3,
         mul_add(ring_band_1, ring_band_1, ring_band_2 * ring_band_2),
     );
-    let ring_band_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.6999999999999985e-5),
-            cos_ring_pip,
-            L::splat(3.600000000000002e-5) * sin_ring_pip,
-        ),
-        L::splat(9.000000000000003e-5),
+    let ring_band_5 = sqrt(
+        L::splat(9.000000000000003e-5)
+            - mul_sub(
+                L::splat(5.399999999999997e-5),
+                cos_ring_pip,
+                L::splat(7.200000000000004e-5) * sin_ring_pip,
+            ),
     );
-    let ring_band_6 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.8249999999999995e-5),
-            cos_ring_dip,
-            L::splat(2.600000000000001e-5) * sin_ring_dip,
-        ),
-        L::splat(9.65e-5),
+    let ring_band_6 = sqrt(
+        L::splat(9.65e-5)
+            - mul_sub(
+                L::splat(7.649999999999999e-5),
+                cos_ring_dip,
+                L::splat(5.200000000000002e-5) * sin_ring_dip,
+            ),
     );
-    lengths[11] = L::splat(0.08891202891001955) + sqrt(ring_band_4) + sqrt(ring_band_5)
-        + sqrt(ring_band_6);
+    lengths[11] = L::splat(0.08891202891001955) + sqrt(ring_band_4) + ring_band_5
+        + ring_band_6;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
     let little_fdp_1 = mul_sub(
@@ -13228,27 +6725,25 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         mul_add(little_fdp_1, little_fdp_1, little_fdp_2 * little_fdp_2),
     );
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_fdp_5 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(1.1621999999999991e-5),
-            cos_little_pip,
-            L::splat(0.000156418) * sin_little_pip,
-        ),
-        L::splat(0.000323790404),
+    let little_fdp_5 = sqrt(
+        L::splat(0.000323790404)
+            - neg_mul_add(
+                L::splat(2.3243999999999983e-5),
+                cos_little_pip,
+                L::splat(0.000312836) * sin_little_pip,
+            ),
     );
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let little_fdp_6 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(1.3619199999999997e-5),
-            cos_little_dip,
-            L::splat(6.9608e-5) * sin_little_dip,
-        ),
-        L::splat(0.00014204462400000002),
+    let little_fdp_6 = sqrt(
+        L::splat(0.00014204462400000002)
+            - mul_add(
+                L::splat(2.7238399999999993e-5),
+                cos_little_dip,
+                L::splat(0.000139216) * sin_little_dip,
+            ),
     );
-    lengths[12] = L::splat(0.1069781758046222) + sqrt(little_fdp_4) + sqrt(little_fdp_5)
-        + sqrt(little_fdp_6);
+    lengths[12] = L::splat(0.1069781758046222) + sqrt(little_fdp_4) + little_fdp_5
+        + little_fdp_6;
     let little_edc_1 = mul_add(
         L::splat(0.003000000000000003),
         cos_little_ab,
@@ -13266,17 +6761,15 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         little_edc_3,
         mul_add(little_edc_1, little_edc_1, little_edc_2 * little_edc_2),
     );
-    let little_edc_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(7.699999999999999e-5),
-            cos_little_pip,
-            L::splat(3.6000000000000014e-5) * sin_little_pip,
-        ),
-        L::splat(0.00016999999999999999),
+    let little_edc_5 = sqrt(
+        L::splat(0.00016999999999999999)
+            - mul_sub(
+                L::splat(0.00015399999999999998),
+                cos_little_pip,
+                L::splat(7.200000000000003e-5) * sin_little_pip,
+            ),
     );
-    lengths[13] = L::splat(0.12844554910897665) + sqrt(little_edc_4)
-        + sqrt(little_edc_5);
+    lengths[13] = L::splat(0.12844554910897665) + sqrt(little_edc_4) + little_edc_5;
     let little_interosseous_1 = L::splat(0.008) * cos_little_mcp;
     let little_interosseous_2 = mul_add(
         L::splat(0.008000000000000002),
@@ -13325,40 +6818,38 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         little_band_3,
         mul_add(little_band_1, little_band_1, little_band_2 * little_band_2),
     );
-    let little_band_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(2.7e-5),
-            cos_little_pip,
-            L::splat(3.5999999999999994e-5) * sin_little_pip,
-        ),
-        L::splat(8.999999999999998e-5),
+    let little_band_5 = sqrt(
+        L::splat(8.999999999999998e-5)
+            - mul_sub(
+                L::splat(5.4e-5),
+                cos_little_pip,
+                L::splat(7.199999999999999e-5) * sin_little_pip,
+            ),
     );
-    let little_band_6 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(3.825e-5),
-            cos_little_dip,
-            L::splat(2.5999999999999988e-5) * sin_little_dip,
-        ),
-        L::splat(9.649999999999999e-5),
+    let little_band_6 = sqrt(
+        L::splat(9.649999999999999e-5)
+            - mul_sub(
+                L::splat(7.65e-5),
+                cos_little_dip,
+                L::splat(5.1999999999999976e-5) * sin_little_dip,
+            ),
     );
-    lengths[15] = L::splat(0.06932376200206641) + sqrt(little_band_4)
-        + sqrt(little_band_5) + sqrt(little_band_6);
+    lengths[15] = L::splat(0.06932376200206641) + sqrt(little_band_4) + little_band_5
+        + little_band_6;
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_fpl_1 = L::splat(0.012) * sin_thumb_cmc;
     let thumb_fpl_2 = L::splat(0.012) * cos_thumb_cmc;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
     let thumb_fpl_3 = mul_add(
-        L::splat(0.008000000000000004),
+        L::splat(0.008000000000000002),
         cos_thumb_ab,
-        L::splat(0.0029999999999999996) * sin_thumb_ab,
+        L::splat(0.003) * sin_thumb_ab,
     ) + (thumb_fpl_2 - thumb_fpl_1);
     let thumb_fpl_4 = L::splat(-0.002)
         - neg_mul_add(
-            L::splat(0.0029999999999999996),
+            L::splat(0.003),
             cos_thumb_ab,
-            L::splat(0.008000000000000004) * sin_thumb_ab,
+            L::splat(0.008000000000000002) * sin_thumb_ab,
         );
     let thumb_fpl_5 = L::splat(0.012000000000000004) - (thumb_fpl_2 + thumb_fpl_1);
     let thumb_fpl_6 = mul_add(
@@ -13367,96 +6858,82 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_4 * thumb_fpl_4),
     );
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_fpl_7 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(9.999999999999972e-6),
-            cos_thumb_mcp,
-            L::splat(0.00021) * sin_thumb_mcp,
-        ),
-        L::splat(0.00042100000000000004),
+    let thumb_fpl_7 = sqrt(
+        L::splat(0.00042100000000000004)
+            - mul_add(
+                L::splat(1.9999999999999944e-5),
+                cos_thumb_mcp,
+                L::splat(0.00042) * sin_thumb_mcp,
+            ),
     );
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_fpl_8 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(4.799999999999981e-6),
-            cos_thumb_ip,
-            L::splat(0.00014879999999999998) * sin_thumb_ip,
-        ),
-        L::splat(0.00030115999999999997),
+    let thumb_fpl_8 = sqrt(
+        L::splat(0.00030115999999999997)
+            - neg_mul_add(
+                L::splat(9.599999999999962e-6),
+                cos_thumb_ip,
+                L::splat(0.00029759999999999997) * sin_thumb_ip,
+            ),
     );
-    lengths[16] = L::splat(0.0774786774042295) + sqrt(thumb_fpl_6) + sqrt(thumb_fpl_7)
-        + sqrt(thumb_fpl_8);
+    lengths[16] = L::splat(0.0774786774042295) + sqrt(thumb_fpl_6) + thumb_fpl_7
+        + thumb_fpl_8;
     let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = mul_add(
-        L::splat(0.004),
-        cos_thumb_ab,
-        L::splat(0.008) * sin_thumb_ab,
-    ) + thumb_epl_1;
-    let thumb_epl_3 = L::splat(-0.008)
-        - neg_mul_add(L::splat(0.008), cos_thumb_ab, L::splat(0.004) * sin_thumb_ab);
-    let thumb_epl_4 = L::splat(-0.012000000000000004)
-        + neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_5 = mul_add(
-        thumb_epl_4,
-        thumb_epl_4,
-        mul_add(thumb_epl_2, thumb_epl_2, thumb_epl_3 * thumb_epl_3),
+    let thumb_epl_2 = L::splat(0.004) * cos_thumb_ab;
+    let thumb_epl_3 = mul_add(L::splat(0.008), sin_thumb_ab, thumb_epl_2) + thumb_epl_1;
+    let thumb_epl_4 = L::splat(0.004) * sin_thumb_ab;
+    let thumb_epl_5 = L::splat(-0.008)
+        - neg_mul_add(L::splat(0.008), cos_thumb_ab, thumb_epl_4);
+    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_7 = L::splat(-0.012) + thumb_epl_6;
+    let thumb_epl_8 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
+        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
     );
-    let thumb_epl_6 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(0.00011549999999999999),
-            cos_thumb_mcp,
-            L::splat(5.17e-5) * sin_thumb_mcp,
-        ),
-        L::splat(0.00025309000000000003),
+    let thumb_epl_9 = sqrt(
+        L::splat(0.00025309000000000003)
+            - mul_sub(
+                L::splat(0.00023099999999999998),
+                cos_thumb_mcp,
+                L::splat(0.0001034) * sin_thumb_mcp,
+            ),
     );
-    let thumb_epl_7 = sqrt(thumb_epl_6);
-    let thumb_epl_8 = neg_mul_add(
-        L::splat(2.0),
-        mul_sub(
-            L::splat(9.475e-5),
-            cos_thumb_ip,
-            L::splat(4.6000000000000014e-5) * sin_thumb_ip,
-        ),
-        L::splat(0.00021066000000000002),
+    let thumb_epl_10 = sqrt(
+        L::splat(0.00021066000000000002)
+            - mul_sub(
+                L::splat(0.0001895),
+                cos_thumb_ip,
+                L::splat(9.200000000000003e-5) * sin_thumb_ip,
+            ),
     );
-    lengths[17] = L::splat(0.10924140044546013) + sqrt(thumb_epl_5) + thumb_epl_7
-        + sqrt(thumb_epl_8);
+    lengths[17] = L::splat(0.10924140044546013) + sqrt(thumb_epl_8) + thumb_epl_9
+        + thumb_epl_10;
     let thumb_epb_1 = thumb_epl_1
-        - neg_mul_add(
-            L::splat(0.003999999999999999),
-            cos_thumb_ab,
-            L::splat(0.005000000000000001) * sin_thumb_ab,
-        );
+        - mul_sub(L::splat(0.005000000000000003), sin_thumb_ab, thumb_epl_2);
     let thumb_epb_2 = L::splat(0.005)
-        - mul_add(
-            L::splat(0.005000000000000001),
-            cos_thumb_ab,
-            L::splat(0.003999999999999999) * sin_thumb_ab,
-        );
-    let thumb_epb_3 = mul_add(
-        thumb_epl_4,
-        thumb_epl_4,
+        - mul_add(L::splat(0.005000000000000003), cos_thumb_ab, thumb_epl_4);
+    let thumb_epb_3 = L::splat(-0.012000000000000004) + thumb_epl_6;
+    let thumb_epb_4 = mul_add(
+        thumb_epb_3,
+        thumb_epb_3,
         mul_add(thumb_epb_1, thumb_epb_1, thumb_epb_2 * thumb_epb_2),
     );
-    lengths[18] = thumb_epl_7 + (L::splat(0.07536380062479958) + sqrt(thumb_epb_3));
+    lengths[18] = thumb_epl_9 + (L::splat(0.07536380062479958) + sqrt(thumb_epb_4));
     let thumb_apl_1 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_2 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_1)
         - neg_mul_add(
             L::splat(0.007000000000000001),
             cos_thumb_ab,
-            L::splat(0.012000000000000004) * sin_thumb_ab,
+            L::splat(0.012000000000000002) * sin_thumb_ab,
         );
     let thumb_apl_3 = L::splat(0.012)
         - mul_add(
-            L::splat(0.012000000000000004),
+            L::splat(0.012000000000000002),
             cos_thumb_ab,
             L::splat(0.007000000000000001) * sin_thumb_ab,
         );
     let thumb_apl_4 = L::splat(0.006) * sin_thumb_cmc;
-    let thumb_apl_5 = L::splat(-0.005)
+    let thumb_apl_5 = L::splat(-0.005000000000000003)
         + mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_4);
     let thumb_apl_6 = mul_add(
         thumb_apl_5,
@@ -13472,39 +6949,38 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         - neg_mul_add(
             L::splat(0.00874910502142235),
             cos_thumb_ab,
-            L::splat(0.003271760106466037) * sin_thumb_ab,
+            L::splat(0.003271760106466038) * sin_thumb_ab,
         );
     let thumb_apb_2 = L::splat(0.009)
         - mul_add(
-            L::splat(0.003271760106466037),
+            L::splat(0.003271760106466038),
             cos_thumb_ab,
             L::splat(0.00874910502142235) * sin_thumb_ab,
         );
-    let thumb_apb_3 = L::splat(0.01329468868119369)
+    let thumb_apb_3 = L::splat(0.013294688681193689)
         - mul_add(L::splat(0.007), cos_thumb_cmc, L::splat(0.03) * sin_thumb_cmc);
     let thumb_apb_4 = mul_add(
         thumb_apb_3,
         thumb_apb_3,
         mul_add(thumb_apb_1, thumb_apb_1, thumb_apb_2 * thumb_apb_2),
     );
-    let thumb_apb_5 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(
-            L::splat(2.9599999999999994e-5),
-            cos_thumb_mcp,
-            L::splat(9.72e-5) * sin_thumb_mcp,
-        ),
-        L::splat(0.00020423999999999998),
+    let thumb_apb_5 = sqrt(
+        L::splat(0.00020423999999999998)
+            - neg_mul_add(
+                L::splat(5.919999999999999e-5),
+                cos_thumb_mcp,
+                L::splat(0.0001944) * sin_thumb_mcp,
+            ),
     );
-    lengths[20] = L::splat(0.008062257748298557) + sqrt(thumb_apb_4) + sqrt(thumb_apb_5);
+    lengths[20] = L::splat(0.008062257748298557) + sqrt(thumb_apb_4) + thumb_apb_5;
     let thumb_opp_1 = mul_add(
         L::splat(0.009538977305795334),
         cos_thumb_ab,
-        L::splat(0.00046527292621430325) * sin_thumb_ab,
+        L::splat(0.0004652729262143015) * sin_thumb_ab,
     ) + mul_sub(L::splat(0.028), cos_thumb_cmc, L::splat(0.01) * sin_thumb_cmc);
     let thumb_opp_2 = L::splat(0.004)
         - neg_mul_add(
-            L::splat(0.00046527292621430325),
+            L::splat(0.0004652729262143015),
             cos_thumb_ab,
             L::splat(0.009538977305795334) * sin_thumb_ab,
         );
@@ -13520,27 +6996,30 @@ pub fn lengths<L: Lane>(q: &[L; 26], lengths: &mut [L; 23]) {
         - mul_sub(
             L::splat(0.025486067515228545),
             cos_thumb_ab,
-            L::splat(0.029821276684971594) * sin_thumb_ab,
+            L::splat(0.029821276684971587) * sin_thumb_ab,
         );
     let thumb_adp_2 = L::splat(-0.009)
         + mul_add(
-            L::splat(0.029821276684971594),
+            L::splat(0.029821276684971587),
             cos_thumb_ab,
             L::splat(0.025486067515228545) * sin_thumb_ab,
         );
-    let thumb_adp_3 = L::splat(0.04065896972978512)
+    let thumb_adp_3 = L::splat(0.040658969729785124)
         - mul_add(L::splat(0.038000000000000006), sin_thumb_cmc, thumb_apl_1);
     let thumb_adp_4 = mul_add(
         thumb_adp_3,
         thumb_adp_3,
         mul_add(thumb_adp_1, thumb_adp_1, thumb_adp_2 * thumb_adp_2),
     );
-    let thumb_adp_5 = neg_mul_add(
-        L::splat(2.0),
-        neg_mul_add(L::splat(3.56e-5), cos_thumb_mcp, L::splat(8.9e-5) * sin_thumb_mcp),
-        L::splat(0.00019224000000000004),
+    let thumb_adp_5 = sqrt(
+        L::splat(0.00019224000000000004)
+            - neg_mul_add(
+                L::splat(7.12e-5),
+                cos_thumb_mcp,
+                L::splat(0.000178) * sin_thumb_mcp,
+            ),
     );
-    lengths[22] = sqrt(thumb_adp_4) + sqrt(thumb_adp_5);
+    lengths[22] = sqrt(thumb_adp_4) + thumb_adp_5;
 }
 
 /// Where the numbers of each block stand.
@@ -13565,8 +7044,8 @@ pub fn constants(params: &[f64; PARAMETERS], values: &[f64; VALUES]) -> [[f64; 5
         [
             params[parameter::DAMPING],
             params[parameter::K_INTRINSIC],
-            params[parameter::K_FLEXOR],
             params[parameter::K_EXTENSOR],
+            params[parameter::K_FLEXOR],
             values[0],
         ],
     ]

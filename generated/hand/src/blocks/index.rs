@@ -15,8 +15,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-<<<<<<< HEAD
-/// 376 operations: 41 sums, 103 products, 105 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
+/// 325 operations: 44 sums, 93 products, 83 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 4],
@@ -26,607 +25,7 @@ pub fn evaluate<L: Lane>(
     momentum: &mut [L; 4],
     force: &mut [L; 4],
 ) {
-    let constants = &constants[..47 * L::WIDTH];
-    let q_ab = q[0];
-    let q_mcp = q[1];
-    let q_pip = q[2];
-    let q_dip = q[3];
-    let v_ab = v[0];
-    let v_mcp = v[1];
-    let v_pip = v[2];
-    let v_dip = v[3];
-    let rest_fdp = rest[0];
-    let rest_edc = rest[1];
-    let rest_interosseous = rest[2];
-    let rest_band = rest[3];
-    let c_0 = L::load(&constants[0 * L::WIDTH..]);
-    let c_1 = L::load(&constants[1 * L::WIDTH..]);
-    let c_2 = L::load(&constants[2 * L::WIDTH..]);
-    let c_3 = L::load(&constants[3 * L::WIDTH..]);
-    let c_4 = L::load(&constants[4 * L::WIDTH..]);
-    let c_5 = L::load(&constants[5 * L::WIDTH..]);
-    let c_6 = L::load(&constants[6 * L::WIDTH..]);
-    let c_7 = L::load(&constants[7 * L::WIDTH..]);
-    let c_8 = L::load(&constants[8 * L::WIDTH..]);
-    let c_9 = L::load(&constants[9 * L::WIDTH..]);
-    let c_10 = L::load(&constants[10 * L::WIDTH..]);
-    let c_11 = L::load(&constants[11 * L::WIDTH..]);
-    let c_12 = L::load(&constants[12 * L::WIDTH..]);
-    let c_13 = L::load(&constants[13 * L::WIDTH..]);
-    let c_14 = L::load(&constants[14 * L::WIDTH..]);
-    let c_15 = L::load(&constants[15 * L::WIDTH..]);
-    let c_16 = L::load(&constants[16 * L::WIDTH..]);
-    let c_17 = L::load(&constants[17 * L::WIDTH..]);
-    let c_18 = L::load(&constants[18 * L::WIDTH..]);
-    let c_19 = L::load(&constants[19 * L::WIDTH..]);
-    let c_20 = L::load(&constants[20 * L::WIDTH..]);
-    let c_21 = L::load(&constants[21 * L::WIDTH..]);
-    let c_22 = L::load(&constants[22 * L::WIDTH..]);
-    let c_23 = L::load(&constants[23 * L::WIDTH..]);
-    let c_24 = L::load(&constants[24 * L::WIDTH..]);
-    let c_25 = L::load(&constants[25 * L::WIDTH..]);
-    let c_26 = L::load(&constants[26 * L::WIDTH..]);
-    let c_27 = L::load(&constants[27 * L::WIDTH..]);
-    let c_28 = L::load(&constants[28 * L::WIDTH..]);
-    let c_29 = L::load(&constants[29 * L::WIDTH..]);
-    let c_30 = L::load(&constants[30 * L::WIDTH..]);
-    let c_31 = L::load(&constants[31 * L::WIDTH..]);
-    let c_32 = L::load(&constants[32 * L::WIDTH..]);
-    let c_33 = L::load(&constants[33 * L::WIDTH..]);
-    let c_34 = L::load(&constants[34 * L::WIDTH..]);
-    let c_35 = L::load(&constants[35 * L::WIDTH..]);
-    let c_36 = L::load(&constants[36 * L::WIDTH..]);
-    let c_37 = L::load(&constants[37 * L::WIDTH..]);
-    let c_38 = L::load(&constants[38 * L::WIDTH..]);
-    let c_39 = L::load(&constants[39 * L::WIDTH..]);
-    let c_40 = L::load(&constants[40 * L::WIDTH..]);
-    let c_41 = L::load(&constants[41 * L::WIDTH..]);
-    let c_42 = L::load(&constants[42 * L::WIDTH..]);
-    let c_43 = L::load(&constants[43 * L::WIDTH..]);
-    let c_44 = L::load(&constants[44 * L::WIDTH..]);
-    let c_45 = L::load(&constants[45 * L::WIDTH..]);
-    let c_46 = L::load(&constants[46 * L::WIDTH..]);
-    let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let ab_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
-    let ab_2 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
-    let ab_3 = mul_add(ab_2, ab_2 * c_8, ab_1 * (ab_1 * c_7));
-    let ab_4 = mul_add(cos_pip, c_9, c_6);
-    let ab_5 = mul_add(ab_2, c_10, ab_4);
-    let ab_6 = c_11 * ab_5;
-    let ab_7 = ab_5 * ab_6;
-    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let ab_8 = v_ab * cos_mcp;
-    let ab_9 = ab_2 * c_7;
-    let ab_10 = ab_1 * c_8;
-    let ab_11 = sin_pip * c_9;
-    let ab_12 = mul_add(ab_1, c_10, ab_11);
-    let ab_13 = mul_add(ab_12, ab_6, neg_mul_add(ab_1, ab_9, ab_2 * ab_10));
-    let ab_14 = v_ab * sin_mcp;
-    let ab_15 = neg_mul_add(ab_14, ab_13, ab_8 * (c_12 + ab_7 + ab_3));
-    let ab_16 = mul_add(cos_pip, c_1, c_6);
-    let ab_17 = c_2 * ab_16;
-    let ab_18 = ab_16 * ab_17;
-    let ab_19 = mul_add(cos_pip, cos_pip * c_5, sin_pip * (sin_pip * c_4));
-    let ab_20 = cos_pip * c_4;
-    let ab_21 = sin_pip * c_5;
-    let ab_22 = sin_pip * c_1;
-    let ab_23 = mul_add(ab_22, ab_17, neg_mul_add(sin_pip, ab_20, cos_pip * ab_21));
-    let ab_24 = neg_mul_add(ab_14, ab_23, ab_8 * (c_3 + ab_18 + ab_19));
-    let ab_25 = ab_15 + ab_24;
-    let ab_26 = mul_add(ab_8, c_13, ab_25);
-    let ab_27 = ab_12 * c_11;
-    let ab_28 = mul_add(ab_2, ab_9, ab_1 * ab_10) + mul_add(ab_12, ab_27, c_12);
-    let ab_29 = neg_mul_add(ab_14, ab_28, ab_8 * ab_13);
-    let ab_30 = ab_22 * c_2;
-    let ab_31 = mul_add(ab_22, ab_30, c_3) + mul_add(cos_pip, ab_20, sin_pip * ab_21);
-    let ab_32 = neg_mul_add(ab_14, ab_31, ab_8 * ab_23) + ab_29;
-    let ab_33 = neg_mul_add(ab_14, c_0, ab_32);
-    momentum[0] = neg_mul_add(sin_mcp, ab_33, cos_mcp * ab_26);
-    let mcp_1 = v_mcp + v_pip;
-    let mcp_2 = v_dip + mcp_1;
-    let mcp_3 = v_pip * c_6;
-    let mcp_4 = mul_add(v_dip, ab_4, mcp_3);
-    let mcp_5 = v_dip * ab_11;
-    let mcp_6 = mul_sub(
-        mcp_2,
-        c_12 + mul_add(ab_12, ab_27, ab_7),
-        mul_add(ab_27, mcp_5, ab_6 * mcp_4),
-    );
-    let mcp_7 = neg_mul_add(ab_17, mcp_3, mcp_1 * (c_3 + mul_add(ab_22, ab_30, ab_18)));
-    let mcp_8 = mcp_7 + mcp_6;
-    momentum[1] = mul_add(v_mcp, c_14, mcp_8);
-    let pip_1 = neg_mul_add(mcp_2, ab_6, c_11 * mcp_4);
-    momentum[2] = mul_add(c_6, neg_mul_add(mcp_1, ab_17, c_2 * mcp_3) + pip_1, mcp_8);
-    let dip_1 = neg_mul_add(mcp_2, ab_27, c_11 * mcp_5);
-    momentum[3] = mcp_6 + mul_add(ab_4, pip_1, ab_11 * dip_1);
-    let (sin_ab, cos_ab) = sin_cos(q_ab);
-    let fdp_1 = mul_add(sin_ab, c_37, cos_ab * c_36);
-    let index_fdp_1 = mul_sub(L::splat(0.012), cos_mcp, L::splat(0.01) * sin_mcp);
-    let fdp_2 = index_fdp_1 - fdp_1;
-    let fdp_3 = neg_mul_add(sin_ab, c_36, cos_ab * c_37);
-    let index_fdp_2 = mul_add(L::splat(0.01), cos_mcp, L::splat(0.012) * sin_mcp);
-    let index_fdp_3 = L::splat(0.011) - index_fdp_2;
-    let fdp_4 = mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_3, fdp_3, fdp_2 * fdp_2));
-    let fdp_5 = sqrt(fdp_4);
-    let fdp_6 = L::splat(1.0) / fdp_5;
-    let fdp_7 = fdp_2 * fdp_6;
-    let fdp_8 = neg_mul_add(L::splat(2.0), mul_add(sin_pip, c_33, cos_pip * c_34), c_35);
-    let fdp_9 = sqrt(fdp_8);
-    let fdp_10 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(cos_dip, c_30, sin_dip * c_31),
-        c_32,
-    );
-    let fdp_11 = sqrt(fdp_10);
-    let fdp_12 = (fdp_11 + (fdp_9 + (fdp_5 + c_38)) - rest_fdp) * c_39;
-    let edc_1 = mul_add(sin_ab, c_40, cos_ab * c_41);
-    let index_edc_1 = mul_add(L::splat(0.003), cos_mcp, L::splat(0.0105) * sin_mcp);
-    let edc_2 = index_edc_1 - edc_1;
-    let edc_3 = neg_mul_add(sin_ab, c_41, cos_ab * c_40);
-    let index_edc_2 = mul_sub(L::splat(0.0105), cos_mcp, L::splat(0.003) * sin_mcp);
-    let index_edc_3 = L::splat(-0.011) + index_edc_2;
-    let edc_4 = mul_add(index_edc_3, index_edc_3, mul_add(edc_2, edc_2, edc_3 * edc_3));
-    let edc_5 = sqrt(edc_4);
-    let edc_6 = L::splat(1.0) / edc_5;
-    let edc_7 = edc_2 * edc_6;
-    let edc_8 = neg_mul_add(L::splat(2.0), mul_add(sin_pip, c_42, cos_pip * c_43), c_44);
-    let edc_9 = sqrt(edc_8);
-    let edc_10 = (edc_9 + (edc_5 + c_45) - rest_edc) * c_46;
-    let edc_11 = mul_add(edc_1, edc_3 * edc_6, edc_3 * edc_7) * edc_10;
-    let ab_34 = mul_add(fdp_12, mul_add(fdp_1, fdp_3 * fdp_6, fdp_3 * fdp_7), edc_11);
-    let interosseous_1 = mul_add(sin_ab, c_26, cos_ab * c_27);
-    let index_interosseous_1 = L::splat(0.008) * cos_mcp;
-    let index_interosseous_2 = neg_mul_add(
-        L::splat(0.001),
-        sin_mcp,
-        index_interosseous_1,
-    );
-    let interosseous_2 = index_interosseous_2 - interosseous_1;
-    let interosseous_3 = neg_mul_add(sin_ab, c_27, cos_ab * c_26);
-    let interosseous_4 = c_28 - interosseous_3;
-    let index_interosseous_3 = L::splat(0.008) * sin_mcp;
-    let index_interosseous_4 = mul_add(L::splat(0.001), cos_mcp, index_interosseous_3);
-    let index_interosseous_5 = L::splat(0.001) - index_interosseous_4;
-    let interosseous_5 = mul_add(
-        index_interosseous_5,
-        index_interosseous_5,
-        mul_add(interosseous_2, interosseous_2, interosseous_4 * interosseous_4),
-    );
-    let interosseous_6 = sqrt(interosseous_5);
-    let interosseous_7 = L::splat(1.0) / interosseous_6;
-    let interosseous_8 = interosseous_2 * interosseous_7;
-    let interosseous_9 = c_25 * (interosseous_6 + c_29 - rest_interosseous);
-    let ab_35 = neg_mul_add(
-        neg_mul_add(
-            interosseous_3,
-            interosseous_8,
-            interosseous_1 * (interosseous_4 * interosseous_7),
-        ),
-        interosseous_9,
-        ab_34,
-=======
-/// 325 operations: 44 sums, 93 products, 83 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-) {
-    let q_index_ab = q[coordinate::INDEX_AB];
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let v_index_ab = v[coordinate::INDEX_AB];
-    let v_index_mcp = v[coordinate::INDEX_MCP];
-    let v_index_pip = v[coordinate::INDEX_PIP];
-    let v_index_dip = v[coordinate::INDEX_DIP];
-    let k_flexor = params[parameter::K_FLEXOR];
-    let k_extensor = params[parameter::K_EXTENSOR];
-    let k_intrinsic = params[parameter::K_INTRINSIC];
-    let rest_index_fdp = rest[strand::INDEX_FDP];
-    let rest_index_edc = rest[strand::INDEX_EDC];
-    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
-    let rest_index_band = rest[strand::INDEX_BAND];
-    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_1 = mul_add(
-        sin_index_mcp,
-        cos_index_pip,
-        cos_index_mcp * sin_index_pip,
-    );
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_ab_2 = mul_sub(
-        cos_index_mcp,
-        cos_index_pip,
-        sin_index_mcp * sin_index_pip,
-    );
-    let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
-    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
-    let index_ab_5 = 0.0224 * index_ab_2;
-    let index_ab_6 = 2.0917644617198177e-6 * index_ab_1;
-    let index_ab_7 = mul_add(
-        2.0,
-        index_ab_5 * index_ab_4,
-        neg_mul_add(index_ab_1, index_ab_6, 1.0458822308599088e-6),
-    );
-    let index_ab_8 = 0.0001154165848898187 * index_ab_2;
-    let index_ab_9 = 0.039799999999999995 * cos_index_mcp;
-    let index_ab_10 = 1.7742421098850526e-5 * sin_index_mcp;
-    let index_ab_11 = mul_add(
-        2.0,
-        index_ab_9 * (index_ab_8 + index_ab_4),
-        neg_mul_add(sin_index_mcp, index_ab_10, 8.871210549425263e-6),
-    );
-    let index_ab_12 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
-    let index_ab_13 = 1.8985836304951953e-7 * index_ab_12;
-    let index_ab_14 = neg_mul_add(index_ab_12, index_ab_13, 9.492918152475976e-8)
-        + (1.0687300077035954e-5 + index_ab_11 + index_ab_7);
-    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_14;
-    let index_mcp_1 = v_index_mcp + v_index_pip;
-    let index_mcp_2 = v_index_dip + index_mcp_1;
-    let index_mcp_3 = index_mcp_2 * index_ab_4;
-    let index_mcp_4 = 2.113600077163611e-5 * index_ab_12;
-    let index_mcp_5 = index_mcp_2 * index_mcp_4;
-    let index_mcp_6 = 0.0224 * index_ab_1;
-    let index_mcp_7 = v_index_mcp * index_ab_9;
-    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
-    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
-    let index_mcp_10 = v_index_mcp * index_mcp_9;
-    let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
-        + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_8);
-    let index_mcp_12 = index_mcp_1 * index_ab_5;
-    let index_mcp_13 = index_mcp_7 + index_mcp_12;
-    let index_mcp_14 = index_mcp_1 * index_mcp_6;
-    let index_mcp_15 = index_mcp_10 + index_mcp_14;
-    let index_mcp_16 = mul_add(
-        2.5540671987294797e-7,
-        index_mcp_2,
-        mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
-    );
-    let index_mcp_17 = index_mcp_16
-        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
-    let index_mcp_18 = index_mcp_1 * index_ab_8;
-    let index_mcp_19 = index_mcp_18 + index_mcp_3;
-    let index_mcp_20 = index_mcp_1 * index_mcp_8;
-    let index_mcp_21 = index_mcp_20 + index_mcp_5;
-    let index_mcp_22 = mul_add(
-        1.8193617546820962e-5,
-        v_index_mcp,
-        mul_add(index_mcp_9, index_mcp_21, index_ab_9 * index_mcp_19),
-    );
-    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
-    momentum[coordinate::INDEX_PIP] = index_mcp_17;
-    momentum[coordinate::INDEX_DIP] = index_mcp_16;
-    let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
-    let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
-    let index_fdp_2 = mul_add(
-        0.012,
-        cos_index_ab,
-        1.0842021724855044e-19 * sin_index_ab,
-    );
-    let index_fdp_3 = index_fdp_2 + index_fdp_1;
-    let index_fdp_4 = neg_mul_add(
-        1.0842021724855044e-19,
-        cos_index_ab,
-        0.012 * sin_index_ab,
-    );
-    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
-    let index_fdp_6 = 0.011 - index_fdp_5;
-    let index_fdp_7 = mul_add(
-        index_fdp_6,
-        index_fdp_6,
-        mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
-    );
-    let index_fdp_8 = sqrt(index_fdp_7);
-    let index_fdp_9 = 1.0 / index_fdp_8;
-    let index_fdp_10 = sqrt(
-        0.000354510464
-            - neg_mul_add(
-                6.297599999999999e-5,
-                cos_index_pip,
-                0.000345344 * sin_index_pip,
-            ),
-    );
-    let index_fdp_11 = sqrt(
-        0.00015491888400000003
-            - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
-    );
-    let index_fdp_12 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_10 + index_fdp_11
-            - rest_index_fdp);
-    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
-    let index_edc_2 = mul_add(
-        0.002999999999999997,
-        cos_index_ab,
-        2.439454888092385e-19 * sin_index_ab,
-    );
-    let index_edc_3 = index_edc_2 + index_edc_1;
-    let index_edc_4 = neg_mul_add(
-        2.439454888092385e-19,
-        cos_index_ab,
-        0.002999999999999997 * sin_index_ab,
-    );
-    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
-    let index_edc_6 = -0.011 + index_edc_5;
-    let index_edc_7 = mul_add(
-        index_edc_6,
-        index_edc_6,
-        mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
-    );
-    let index_edc_8 = sqrt(index_edc_7);
-    let index_edc_9 = 1.0 / index_edc_8;
-    let index_edc_10 = sqrt(
-        0.00016999999999999999
-            - mul_sub(
-                0.00015399999999999998,
-                cos_index_pip,
-                7.200000000000003e-5 * sin_index_pip,
-            ),
-    );
-    let index_edc_11 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_10 - rest_index_edc);
-    let index_edc_12 = index_edc_9
-        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3) * index_edc_11;
-    let index_ab_15 = mul_add(
-        index_fdp_9 * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3),
-        index_fdp_12,
-        index_edc_12,
->>>>>>> work-a
-    );
-    let band_1 = mul_add(sin_ab, c_15, cos_ab * c_16);
-    let index_band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1);
-    let band_2 = index_band_1 - band_1;
-    let band_3 = neg_mul_add(sin_ab, c_16, cos_ab * c_15);
-    let band_4 = c_17 - band_3;
-    let index_band_2 = mul_add(L::splat(0.005), cos_mcp, index_interosseous_3);
-    let index_band_3 = L::splat(0.005) - index_band_2;
-    let band_5 = mul_add(
-        index_band_3,
-        index_band_3,
-        mul_add(band_2, band_2, band_4 * band_4),
-    );
-    let band_6 = sqrt(band_5);
-    let band_7 = L::splat(1.0) / band_6;
-    let band_8 = band_2 * band_7;
-    let band_9 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(sin_pip, c_21, cos_pip * c_22),
-        c_23,
-    );
-    let band_10 = sqrt(band_9);
-    let band_11 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(cos_dip, c_18, sin_dip * c_19),
-        c_20,
-    );
-    let band_12 = sqrt(band_11);
-    let band_13 = (band_12 + (band_10 + (band_6 + c_24)) - rest_band) * c_25;
-    force[0] = neg_mul_add(
-        neg_mul_add(band_3, band_8, band_1 * (band_4 * band_7)),
-        band_13,
-        ab_35,
-    );
-    let mcp_9 = mul_sub(
-        fdp_12,
-        mul_add(index_fdp_1, index_fdp_3 * fdp_6, index_fdp_2 * fdp_7),
-        mul_add(ab_8, ab_33, ab_14 * ab_26),
-    );
-    let mcp_10 = neg_mul_add(
-        edc_10,
-        neg_mul_add(index_edc_1, index_edc_3 * edc_6, index_edc_2 * edc_7),
-        mcp_9,
-    );
-    let mcp_11 = mul_add(
-        interosseous_9,
-        mul_add(
-            index_interosseous_2,
-            index_interosseous_5 * interosseous_7,
-            index_interosseous_4 * interosseous_8,
-        ),
-        mcp_10,
-    );
-<<<<<<< HEAD
-    force[1] = mul_add(
-        band_13,
-        mul_add(index_band_1, index_band_3 * band_7, index_band_2 * band_8),
-        mcp_11,
-=======
-    let index_interosseous_11 = sqrt(index_interosseous_10);
-    let index_interosseous_12 = 1.0 / index_interosseous_11;
-    let index_interosseous_13 = k_intrinsic
-        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
-    let index_ab_16 = mul_add(
-        index_interosseous_12
-            * mul_sub(
-                index_interosseous_1,
-                index_interosseous_6,
-                index_interosseous_5 * index_interosseous_4,
-            ),
-        index_interosseous_13,
-        index_ab_15,
->>>>>>> work-a
-    );
-    let pip_2 = neg_mul_add(ab_8, ab_6, ab_14 * ab_27);
-    let pip_3 = neg_mul_add(
-        pip_2 + neg_mul_add(ab_8, ab_17, ab_14 * ab_30),
-        ab_14 * c_6,
-        neg_mul_add(mcp_1, ab_30, dip_1) * (v_mcp * c_6),
-    );
-<<<<<<< HEAD
-    let fdp_13 = neg_mul_add(cos_pip, c_33, sin_pip * c_34) / fdp_9;
-    let pip_4 = neg_mul_add(fdp_12, fdp_13, pip_3 - mul_add(ab_8, ab_32, ab_14 * ab_25));
-    let edc_12 = neg_mul_add(cos_pip, c_42, sin_pip * c_43) / edc_9;
-    let band_14 = neg_mul_add(cos_pip, c_21, sin_pip * c_22) / band_10;
-    force[2] = neg_mul_add(band_13, band_14, neg_mul_add(edc_10, edc_12, pip_4));
-    let dip_2 = neg_mul_add(
-        pip_2,
-        mul_add(ab_8, ab_11, ab_14 * ab_4),
-        dip_1 * mul_sub(mcp_1, ab_4, mcp_3),
-=======
-    let index_band_3 = index_band_2 + index_band_1;
-    let index_band_4 = neg_mul_add(
-        0.010000000000000002,
-        cos_index_ab,
-        0.007999999999999997 * sin_index_ab,
-    );
-    let index_band_5 = -0.009 - index_band_4;
-    let index_band_6 = mul_add(0.005, cos_index_mcp, index_interosseous_7);
-    let index_band_7 = 0.005 - index_band_6;
-    let index_band_8 = mul_add(
-        index_band_7,
-        index_band_7,
-        mul_add(index_band_3, index_band_3, index_band_5 * index_band_5),
-    );
-    let index_band_9 = sqrt(index_band_8);
-    let index_band_10 = 1.0 / index_band_9;
-    let index_band_11 = sqrt(
-        9.000000000000003e-5
-            - mul_sub(
-                5.399999999999997e-5,
-                cos_index_pip,
-                7.200000000000004e-5 * sin_index_pip,
-            ),
-    );
-    let index_band_12 = sqrt(
-        9.649999999999999e-5
-            - mul_sub(7.65e-5, cos_index_dip, 5.1999999999999976e-5 * sin_index_dip),
-    );
-    let index_band_13 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_11 + index_band_12
-            - rest_index_band);
-    force[coordinate::INDEX_AB] = mul_sub(
-        index_band_10 * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3),
-        index_band_13,
-        index_ab_16,
-    );
-    let index_mcp_23 = v_index_ab * index_ab_4;
-    let index_mcp_24 = neg_mul_add(
-        v_index_ab * index_mcp_6,
-        index_mcp_23,
-        neg_mul_add(index_mcp_14, index_mcp_3, index_mcp_12 * index_mcp_5),
-    );
-    let index_mcp_25 = v_index_ab * index_ab_9;
-    let index_mcp_26 = neg_mul_add(
-        index_mcp_25,
-        v_index_ab * index_mcp_8,
-        neg_mul_add(index_mcp_7, index_mcp_20, index_mcp_10 * index_mcp_18),
-    );
-    let index_mcp_27 = v_index_ab * v_index_ab;
-    let index_mcp_28 = neg_mul_add(
-        mul_add(v_index_ab, index_ab_5, index_mcp_25),
-        v_index_ab * index_mcp_4,
-        neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
-    );
-    let index_mcp_29 = neg_mul_add(index_ab_3 * index_ab_13, index_mcp_27, index_mcp_28);
-    let index_mcp_30 = index_mcp_29
-        + neg_mul_add(
-            index_ab_2 * index_ab_6,
-            index_mcp_27,
-            index_mcp_24 + index_mcp_26,
-        );
-    let index_mcp_31 = neg_mul_add(
-        v_index_ab * index_mcp_9,
-        mul_add(v_index_ab, index_ab_8, index_mcp_23),
-        neg_mul_add(index_mcp_10, index_mcp_19, index_mcp_7 * index_mcp_21),
-    );
-    let index_mcp_32 = mul_add(
-        index_fdp_9 * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6),
-        index_fdp_12,
-        index_mcp_30
-            + neg_mul_add(cos_index_mcp * index_ab_10, index_mcp_27, index_mcp_31),
-    );
-    let index_mcp_33 = neg_mul_add(
-        index_edc_9 * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6),
-        index_edc_11,
-        index_mcp_32,
-    );
-    let index_mcp_34 = mul_add(
-        index_interosseous_12
-            * mul_add(
-                index_interosseous_8,
-                index_interosseous_4,
-                index_interosseous_3 * index_interosseous_9,
-            ),
-        index_interosseous_13,
-        index_mcp_33,
-    );
-    force[coordinate::INDEX_MCP] = mul_add(
-        index_band_10 * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7),
-        index_band_13,
-        index_mcp_34,
-    );
-    let index_fdp_13 = mul_add(
-        3.1487999999999994e-5,
-        sin_index_pip,
-        0.000172672 * cos_index_pip,
-    ) / index_fdp_10;
-    let index_edc_13 = mul_add(
-        7.699999999999999e-5,
-        sin_index_pip,
-        3.6000000000000014e-5 * cos_index_pip,
-    ) / index_edc_10;
-    let index_band_14 = mul_add(
-        2.6999999999999985e-5,
-        sin_index_pip,
-        3.600000000000002e-5 * cos_index_pip,
-    ) / index_band_11;
-    force[coordinate::INDEX_PIP] = neg_mul_add(
-        index_band_14,
-        index_band_13,
-        neg_mul_add(
-            index_edc_13,
-            index_edc_11,
-            mul_add(index_fdp_13, index_fdp_12, index_mcp_30),
-        ),
-    );
-    let index_fdp_14 = mul_sub(
-        7.315840000000005e-6,
-        sin_index_dip,
-        7.6342e-5 * cos_index_dip,
-    ) / index_fdp_11;
-    let index_band_15 = mul_add(
-        3.825e-5,
-        sin_index_dip,
-        2.5999999999999988e-5 * cos_index_dip,
-    ) / index_band_12;
-    force[coordinate::INDEX_DIP] = neg_mul_add(
-        index_band_15,
-        index_band_13,
-        neg_mul_add(index_fdp_14, index_fdp_12, index_mcp_29),
->>>>>>> work-a
-    );
-    let dip_3 = neg_mul_add(pip_1, mcp_1 * ab_11, dip_2)
-        - mul_add(ab_8, ab_29, ab_14 * ab_15);
-    let fdp_14 = neg_mul_add(cos_dip, c_31, sin_dip * c_30) / fdp_11;
-    let band_15 = neg_mul_add(cos_dip, c_19, sin_dip * c_18) / band_12;
-    force[3] = neg_mul_add(band_13, band_15, neg_mul_add(fdp_12, fdp_14, dip_3));
-}
-
-/// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
-///
-/// Coordinates: `index.ab` (digit.hdl:36), `index.mcp` (digit.hdl:38), `index.pip` (digit.hdl:43), `index.dip` (digit.hdl:48).
-///
-/// Bodies: `index.proximal` (digit.hdl:39), `index.middle` (digit.hdl:44), `index.distal` (digit.hdl:49).
-///
-/// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
-///
-<<<<<<< HEAD
-/// 806 operations: 87 sums, 214 products, 241 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
-#[inline(always)]
-pub fn evaluate_with_matrix<L: Lane>(
-    q: &[L; 4],
-    v: &[L; 4],
-    h: L,
-    rest: &[L; 4],
-    constants: &[f64],
-    momentum: &mut [L; 4],
-    force: &mut [L; 4],
-    matrix: &mut [L; 16],
-) {
-    let constants = &constants[..49 * L::WIDTH];
+    let constants = &constants[..56 * L::WIDTH];
     let q_ab = q[0];
     let q_mcp = q[1];
     let q_pip = q[2];
@@ -688,95 +87,88 @@ pub fn evaluate_with_matrix<L: Lane>(
     let c_46 = L::load(&constants[46 * L::WIDTH..]);
     let c_47 = L::load(&constants[47 * L::WIDTH..]);
     let c_48 = L::load(&constants[48 * L::WIDTH..]);
-    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let c_49 = L::load(&constants[49 * L::WIDTH..]);
+    let c_50 = L::load(&constants[50 * L::WIDTH..]);
+    let c_51 = L::load(&constants[51 * L::WIDTH..]);
+    let c_52 = L::load(&constants[52 * L::WIDTH..]);
+    let c_53 = L::load(&constants[53 * L::WIDTH..]);
+    let c_54 = L::load(&constants[54 * L::WIDTH..]);
+    let c_55 = L::load(&constants[55 * L::WIDTH..]);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let ab_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
-    let ab_2 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
-    let ab_3 = mul_add(ab_2, ab_2 * c_8, ab_1 * (ab_1 * c_7));
-    let ab_4 = mul_add(cos_pip, c_9, c_6);
-    let ab_5 = mul_add(ab_2, c_10, ab_4);
-    let ab_6 = c_11 * ab_5;
-    let ab_7 = ab_5 * ab_6;
-    let ab_8 = c_12 + ab_7 + ab_3;
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let ab_9 = v_ab * cos_mcp;
-    let ab_10 = ab_2 * c_7;
-    let ab_11 = ab_1 * c_8;
-    let ab_12 = sin_pip * c_9;
-    let ab_13 = mul_add(ab_1, c_10, ab_12);
-    let ab_14 = mul_add(ab_13, ab_6, neg_mul_add(ab_1, ab_10, ab_2 * ab_11));
-    let ab_15 = v_ab * sin_mcp;
-    let ab_16 = ab_15 * ab_14;
-    let ab_17 = mul_sub(ab_9, ab_8, ab_16);
-    let ab_18 = mul_add(cos_pip, c_1, c_6);
-    let ab_19 = c_2 * ab_18;
-    let ab_20 = ab_18 * ab_19;
-    let ab_21 = mul_add(cos_pip, cos_pip * c_5, sin_pip * (sin_pip * c_4));
-    let ab_22 = c_3 + ab_20 + ab_21;
-    let ab_23 = cos_pip * c_4;
-    let ab_24 = sin_pip * c_5;
-    let ab_25 = sin_pip * c_1;
-    let ab_26 = mul_add(ab_25, ab_19, neg_mul_add(sin_pip, ab_23, cos_pip * ab_24));
-    let ab_27 = ab_17 + neg_mul_add(ab_15, ab_26, ab_9 * ab_22);
-    let ab_28 = mul_add(ab_9, c_13, ab_27);
-    let ab_29 = ab_13 * c_11;
-    let ab_30 = mul_add(ab_2, ab_10, ab_1 * ab_11) + mul_add(ab_13, ab_29, c_12);
-    let ab_31 = ab_9 * ab_14;
-    let ab_32 = neg_mul_add(ab_15, ab_30, ab_31);
-    let ab_33 = ab_25 * c_2;
-    let ab_34 = mul_add(ab_25, ab_33, c_3) + mul_add(cos_pip, ab_23, sin_pip * ab_24);
-    let ab_35 = neg_mul_add(ab_15, ab_34, ab_9 * ab_26) + ab_32;
-    let ab_36 = neg_mul_add(ab_15, c_0, ab_35);
-    momentum[0] = neg_mul_add(sin_mcp, ab_36, cos_mcp * ab_28);
-    let mcp_1 = c_12 + mul_add(ab_13, ab_29, ab_7);
-    let mcp_2 = v_mcp + v_pip;
-    let mcp_3 = v_dip + mcp_2;
-    let mcp_4 = v_pip * c_6;
-    let mcp_5 = mul_add(v_dip, ab_4, mcp_4);
-    let mcp_6 = v_dip * ab_12;
-    let mcp_7 = mul_sub(mcp_3, mcp_1, mul_add(ab_29, mcp_6, ab_6 * mcp_5));
-    let mcp_8 = c_3 + mul_add(ab_25, ab_33, ab_20);
-    let mcp_9 = neg_mul_add(ab_19, mcp_4, mcp_2 * mcp_8) + mcp_7;
-    momentum[1] = mul_add(v_mcp, c_14, mcp_9);
-    let pip_1 = neg_mul_add(mcp_3, ab_6, c_11 * mcp_5);
-    let pip_2 = neg_mul_add(mcp_2, ab_19, c_2 * mcp_4) + pip_1;
-    momentum[2] = mul_add(c_6, pip_2, mcp_9);
-    let dip_1 = neg_mul_add(mcp_3, ab_29, c_11 * mcp_6);
-    momentum[3] = mcp_7 + mul_add(ab_4, pip_1, ab_12 * dip_1);
+    let ab_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let ab_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
+    let ab_3 = mul_sub(cos_dip, ab_2, sin_dip * ab_1);
+    let ab_4 = ab_3 * c_2;
+    let ab_5 = ab_2 * c_3;
+    let ab_6 = ab_1 * c_0;
+    let ab_7 = mul_add(L::splat(2.0), ab_4 * ab_5, neg_mul_add(ab_1, ab_6, c_1));
+    let ab_8 = ab_2 * c_4;
+    let ab_9 = cos_mcp * c_5;
+    let ab_10 = sin_mcp * c_6;
+    let ab_11 = mul_add(
+        L::splat(2.0),
+        (ab_4 + ab_8) * ab_9,
+        neg_mul_add(sin_mcp, ab_10, c_7),
+    );
+    let ab_12 = mul_add(cos_dip, ab_1, sin_dip * ab_2);
+    let ab_13 = ab_12 * c_9;
+    let ab_14 = ab_7 + (ab_11 + c_8) + neg_mul_add(ab_12, ab_13, c_10);
+    momentum[0] = v_ab * ab_14;
+    let mcp_1 = v_mcp + v_pip;
+    let mcp_2 = v_dip + mcp_1;
+    let mcp_3 = mcp_2 * ab_4;
+    let mcp_4 = ab_12 * c_2;
+    let mcp_5 = mcp_2 * mcp_4;
+    let mcp_6 = ab_1 * c_3;
+    let mcp_7 = v_mcp * ab_9;
+    let mcp_8 = ab_1 * c_4;
+    let mcp_9 = sin_mcp * c_5;
+    let mcp_10 = v_mcp * mcp_9;
+    let mcp_11 = mul_add(mcp_8, mcp_10, ab_8 * mcp_7)
+        + mul_add(mcp_5, mcp_6, ab_5 * mcp_3);
+    let mcp_12 = mcp_1 * ab_5;
+    let mcp_13 = mcp_12 + mcp_7;
+    let mcp_14 = mcp_1 * mcp_6;
+    let mcp_15 = mcp_10 + mcp_14;
+    let mcp_16 = mul_add(mcp_2, c_12, mul_add(mcp_4, mcp_15, ab_4 * mcp_13));
+    let mcp_17 = mcp_16 + mul_add(mcp_1, c_13, mcp_11);
+    let mcp_18 = mcp_1 * ab_8;
+    let mcp_19 = mcp_3 + mcp_18;
+    let mcp_20 = mcp_1 * mcp_8;
+    let mcp_21 = mcp_5 + mcp_20;
+    let mcp_22 = mul_add(v_mcp, c_11, mul_add(mcp_9, mcp_21, ab_9 * mcp_19));
+    momentum[1] = mcp_22 + mcp_17;
+    momentum[2] = mcp_17;
+    momentum[3] = mcp_16;
     let (sin_ab, cos_ab) = sin_cos(q_ab);
-    let fdp_1 = mul_add(sin_ab, c_37, cos_ab * c_36);
+    let fdp_1 = mul_add(sin_ab, c_43, cos_ab * c_42);
     let index_fdp_1 = mul_sub(L::splat(0.012), cos_mcp, L::splat(0.01) * sin_mcp);
     let fdp_2 = index_fdp_1 - fdp_1;
-    let fdp_3 = neg_mul_add(sin_ab, c_36, cos_ab * c_37);
-    let fdp_4 = fdp_3 * fdp_3;
+    let fdp_3 = neg_mul_add(sin_ab, c_42, cos_ab * c_43);
     let index_fdp_2 = mul_add(L::splat(0.01), cos_mcp, L::splat(0.012) * sin_mcp);
     let index_fdp_3 = L::splat(0.011) - index_fdp_2;
-    let fdp_5 = sqrt(mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_2, fdp_2, fdp_4)));
+    let fdp_4 = mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_3, fdp_3, fdp_2 * fdp_2));
+    let fdp_5 = sqrt(fdp_4);
     let fdp_6 = L::splat(1.0) / fdp_5;
-    let fdp_7 = fdp_2 * fdp_6;
-    let fdp_8 = fdp_3 * fdp_6;
-    let fdp_9 = mul_add(fdp_1, fdp_8, fdp_3 * fdp_7);
-    let fdp_10 = mul_add(sin_pip, c_33, cos_pip * c_34);
-    let fdp_11 = sqrt(neg_mul_add(L::splat(2.0), fdp_10, c_35));
-    let fdp_12 = mul_add(cos_dip, c_30, sin_dip * c_31);
-    let fdp_13 = sqrt(neg_mul_add(L::splat(2.0), fdp_12, c_32));
-    let fdp_14 = (fdp_13 + (fdp_11 + (fdp_5 + c_38)) - rest_fdp) * c_39;
-    let edc_1 = mul_add(sin_ab, c_40, cos_ab * c_41);
+    let fdp_7 = sqrt(c_41 - mul_add(sin_pip, c_39, cos_pip * c_40));
+    let fdp_8 = sqrt(c_38 - mul_add(cos_dip, c_36, sin_dip * c_37));
+    let fdp_9 = (fdp_8 + (fdp_7 + (fdp_5 + c_44)) - rest_fdp) * c_45;
+    let fdp_10 = fdp_9 * (fdp_6 * mul_add(fdp_3, fdp_1, fdp_3 * fdp_2));
+    let edc_1 = mul_add(sin_ab, c_32, cos_ab * c_33);
     let index_edc_1 = mul_add(L::splat(0.003), cos_mcp, L::splat(0.0105) * sin_mcp);
     let edc_2 = index_edc_1 - edc_1;
-    let edc_3 = neg_mul_add(sin_ab, c_41, cos_ab * c_40);
-    let edc_4 = edc_3 * edc_3;
+    let edc_3 = neg_mul_add(sin_ab, c_33, cos_ab * c_32);
     let index_edc_2 = mul_sub(L::splat(0.0105), cos_mcp, L::splat(0.003) * sin_mcp);
     let index_edc_3 = L::splat(-0.011) + index_edc_2;
-    let edc_5 = sqrt(mul_add(index_edc_3, index_edc_3, mul_add(edc_2, edc_2, edc_4)));
+    let edc_4 = mul_add(index_edc_3, index_edc_3, mul_add(edc_2, edc_2, edc_3 * edc_3));
+    let edc_5 = sqrt(edc_4);
     let edc_6 = L::splat(1.0) / edc_5;
-    let edc_7 = edc_2 * edc_6;
-    let edc_8 = edc_3 * edc_6;
-    let edc_9 = mul_add(edc_1, edc_8, edc_3 * edc_7);
-    let edc_10 = mul_add(sin_pip, c_42, cos_pip * c_43);
-    let edc_11 = sqrt(neg_mul_add(L::splat(2.0), edc_10, c_44));
-    let edc_12 = (edc_11 + (edc_5 + c_45) - rest_edc) * c_46;
-    let interosseous_1 = mul_add(sin_ab, c_26, cos_ab * c_27);
+    let edc_7 = sqrt(c_31 - mul_add(sin_pip, c_29, cos_pip * c_30));
+    let edc_8 = (edc_7 + (edc_5 + c_34) - rest_edc) * c_35;
+    let ab_15 = mul_add(edc_8, mul_add(edc_1, edc_3, edc_2 * edc_3) * edc_6, fdp_10);
+    let interosseous_1 = mul_add(sin_ab, c_25, cos_ab * c_26);
     let index_interosseous_1 = L::splat(0.008) * cos_mcp;
     let index_interosseous_2 = neg_mul_add(
         L::splat(0.001),
@@ -784,8 +176,8 @@ pub fn evaluate_with_matrix<L: Lane>(
         index_interosseous_1,
     );
     let interosseous_2 = index_interosseous_2 - interosseous_1;
-    let interosseous_3 = neg_mul_add(sin_ab, c_27, cos_ab * c_26);
-    let interosseous_4 = c_28 - interosseous_3;
+    let interosseous_3 = neg_mul_add(sin_ab, c_26, cos_ab * c_25);
+    let interosseous_4 = c_27 - interosseous_3;
     let index_interosseous_3 = L::splat(0.008) * sin_mcp;
     let index_interosseous_4 = mul_add(L::splat(0.001), cos_mcp, index_interosseous_3);
     let index_interosseous_5 = L::splat(0.001) - index_interosseous_4;
@@ -796,229 +188,18 @@ pub fn evaluate_with_matrix<L: Lane>(
     );
     let interosseous_6 = sqrt(interosseous_5);
     let interosseous_7 = L::splat(1.0) / interosseous_6;
-    let interosseous_8 = interosseous_2 * interosseous_7;
-    let interosseous_9 = interosseous_4 * interosseous_7;
-    let interosseous_10 = neg_mul_add(
-        interosseous_3,
+    let interosseous_8 = c_24 * (interosseous_6 + c_28 - rest_interosseous);
+    let ab_16 = neg_mul_add(
         interosseous_8,
-        interosseous_1 * interosseous_9,
-=======
-/// 619 operations: 96 sums, 194 products, 153 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
-) {
-    let q_index_ab = q[coordinate::INDEX_AB];
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let v_index_ab = v[coordinate::INDEX_AB];
-    let v_index_mcp = v[coordinate::INDEX_MCP];
-    let v_index_pip = v[coordinate::INDEX_PIP];
-    let v_index_dip = v[coordinate::INDEX_DIP];
-    let k_flexor = params[parameter::K_FLEXOR];
-    let k_extensor = params[parameter::K_EXTENSOR];
-    let k_intrinsic = params[parameter::K_INTRINSIC];
-    let rest_index_fdp = rest[strand::INDEX_FDP];
-    let rest_index_edc = rest[strand::INDEX_EDC];
-    let rest_index_interosseous = rest[strand::INDEX_INTEROSSEOUS];
-    let rest_index_band = rest[strand::INDEX_BAND];
-    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_1 = mul_add(
-        sin_index_mcp,
-        cos_index_pip,
-        cos_index_mcp * sin_index_pip,
+        neg_mul_add(interosseous_2, interosseous_3, interosseous_1 * interosseous_4)
+            * interosseous_7,
+        ab_15,
     );
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_ab_2 = mul_sub(
-        cos_index_mcp,
-        cos_index_pip,
-        sin_index_mcp * sin_index_pip,
-    );
-    let index_ab_3 = mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
-    let index_ab_4 = 2.113600077163611e-5 * index_ab_3;
-    let index_ab_5 = 0.0224 * index_ab_2;
-    let index_ab_6 = index_ab_5 * index_ab_4;
-    let index_ab_7 = 2.0917644617198177e-6 * index_ab_1;
-    let index_ab_8 = neg_mul_add(index_ab_1, index_ab_7, 1.0458822308599088e-6);
-    let index_ab_9 = 0.0001154165848898187 * index_ab_2;
-    let index_ab_10 = index_ab_9 + index_ab_4;
-    let index_ab_11 = 0.039799999999999995 * cos_index_mcp;
-    let index_ab_12 = 1.7742421098850526e-5 * sin_index_mcp;
-    let index_ab_13 = neg_mul_add(sin_index_mcp, index_ab_12, 8.871210549425263e-6);
-    let index_ab_14 = 1.0687300077035954e-5
-        + mul_add(2.0, index_ab_11 * index_ab_10, index_ab_13)
-        + mul_add(2.0, index_ab_6, index_ab_8);
-    let index_ab_15 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
-    let index_ab_16 = 1.8985836304951953e-7 * index_ab_15;
-    let index_ab_17 = neg_mul_add(index_ab_15, index_ab_16, 9.492918152475976e-8);
-    let index_ab_18 = index_ab_17 + index_ab_14;
-    momentum[coordinate::INDEX_AB] = v_index_ab * index_ab_18;
-    let index_mcp_1 = v_index_mcp + v_index_pip;
-    let index_mcp_2 = v_index_dip + index_mcp_1;
-    let index_mcp_3 = index_mcp_2 * index_ab_4;
-    let index_mcp_4 = 2.113600077163611e-5 * index_ab_15;
-    let index_mcp_5 = index_mcp_2 * index_mcp_4;
-    let index_mcp_6 = 0.0224 * index_ab_1;
-    let index_mcp_7 = v_index_mcp * index_ab_11;
-    let index_mcp_8 = 0.0001154165848898187 * index_ab_1;
-    let index_mcp_9 = 0.039799999999999995 * sin_index_mcp;
-    let index_mcp_10 = v_index_mcp * index_mcp_9;
-    let index_mcp_11 = mul_add(index_mcp_6, index_mcp_5, index_ab_5 * index_mcp_3)
-        + mul_add(index_mcp_10, index_mcp_8, index_mcp_7 * index_ab_9);
-    let index_mcp_12 = index_mcp_1 * index_ab_5;
-    let index_mcp_13 = index_mcp_7 + index_mcp_12;
-    let index_mcp_14 = index_mcp_1 * index_mcp_6;
-    let index_mcp_15 = index_mcp_10 + index_mcp_14;
-    let index_mcp_16 = mul_add(
-        2.5540671987294797e-7,
-        index_mcp_2,
-        mul_add(index_mcp_15, index_mcp_4, index_mcp_13 * index_ab_4),
-    );
-    let index_mcp_17 = index_mcp_16
-        + mul_add(2.2502977721519766e-6, index_mcp_1, index_mcp_11);
-    let index_mcp_18 = index_mcp_1 * index_ab_9;
-    let index_mcp_19 = index_mcp_18 + index_mcp_3;
-    let index_mcp_20 = index_mcp_1 * index_mcp_8;
-    let index_mcp_21 = index_mcp_20 + index_mcp_5;
-    let index_mcp_22 = mul_add(
-        1.8193617546820962e-5,
-        v_index_mcp,
-        mul_add(index_mcp_9, index_mcp_21, index_ab_11 * index_mcp_19),
-    );
-    momentum[coordinate::INDEX_MCP] = index_mcp_17 + index_mcp_22;
-    momentum[coordinate::INDEX_PIP] = index_mcp_17;
-    momentum[coordinate::INDEX_DIP] = index_mcp_16;
-    let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
-    let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
-    let index_fdp_2 = mul_add(
-        0.012,
-        cos_index_ab,
-        1.0842021724855044e-19 * sin_index_ab,
-    );
-    let index_fdp_3 = index_fdp_2 + index_fdp_1;
-    let index_fdp_4 = neg_mul_add(
-        1.0842021724855044e-19,
-        cos_index_ab,
-        0.012 * sin_index_ab,
-    );
-    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
-    let index_fdp_6 = 0.011 - index_fdp_5;
-    let index_fdp_7 = mul_add(
-        index_fdp_6,
-        index_fdp_6,
-        mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
-    );
-    let index_fdp_8 = sqrt(index_fdp_7);
-    let index_fdp_9 = 1.0 / index_fdp_8;
-    let index_fdp_10 = index_fdp_9
-        * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3);
-    let index_fdp_11 = neg_mul_add(
-        6.297599999999999e-5,
-        cos_index_pip,
-        0.000345344 * sin_index_pip,
-    );
-    let index_fdp_12 = sqrt(0.000354510464 - index_fdp_11);
-    let index_fdp_13 = mul_add(
-        1.463168000000001e-5,
-        cos_index_dip,
-        0.000152684 * sin_index_dip,
-    );
-    let index_fdp_14 = sqrt(0.00015491888400000003 - index_fdp_13);
-    let index_fdp_15 = k_flexor
-        * (0.12972844537042483 + index_fdp_8 + index_fdp_12 + index_fdp_14
-            - rest_index_fdp);
-    let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
-    let index_edc_2 = mul_add(
-        0.002999999999999997,
-        cos_index_ab,
-        2.439454888092385e-19 * sin_index_ab,
-    );
-    let index_edc_3 = index_edc_2 + index_edc_1;
-    let index_edc_4 = neg_mul_add(
-        2.439454888092385e-19,
-        cos_index_ab,
-        0.002999999999999997 * sin_index_ab,
-    );
-    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
-    let index_edc_6 = -0.011 + index_edc_5;
-    let index_edc_7 = mul_add(
-        index_edc_6,
-        index_edc_6,
-        mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
-    );
-    let index_edc_8 = sqrt(index_edc_7);
-    let index_edc_9 = 1.0 / index_edc_8;
-    let index_edc_10 = index_edc_9
-        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3);
-    let index_edc_11 = mul_sub(
-        0.00015399999999999998,
-        cos_index_pip,
-        7.200000000000003e-5 * sin_index_pip,
-    );
-    let index_edc_12 = sqrt(0.00016999999999999999 - index_edc_11);
-    let index_edc_13 = k_extensor
-        * (0.14993665655140606 + index_edc_8 + index_edc_12 - rest_index_edc);
-    let index_interosseous_1 = neg_mul_add(
-        0.008000000000000004,
-        cos_index_ab,
-        0.010999999999999996 * sin_index_ab,
-    );
-    let index_interosseous_2 = 0.008 * cos_index_mcp;
-    let index_interosseous_3 = neg_mul_add(0.001, sin_index_mcp, index_interosseous_2);
-    let index_interosseous_4 = index_interosseous_3 - index_interosseous_1;
-    let index_interosseous_5 = mul_add(
-        0.010999999999999996,
-        cos_index_ab,
-        0.008000000000000004 * sin_index_ab,
-    );
-    let index_interosseous_6 = 0.01 - index_interosseous_5;
-    let index_interosseous_7 = 0.008 * sin_index_mcp;
-    let index_interosseous_8 = mul_add(0.001, cos_index_mcp, index_interosseous_7);
-    let index_interosseous_9 = 0.001 - index_interosseous_8;
-    let index_interosseous_10 = mul_add(
-        index_interosseous_9,
-        index_interosseous_9,
-        mul_add(
-            index_interosseous_4,
-            index_interosseous_4,
-            index_interosseous_6 * index_interosseous_6,
-        ),
-    );
-    let index_interosseous_11 = sqrt(index_interosseous_10);
-    let index_interosseous_12 = 1.0 / index_interosseous_11;
-    let index_interosseous_13 = index_interosseous_12
-        * mul_sub(
-            index_interosseous_1,
-            index_interosseous_6,
-            index_interosseous_5 * index_interosseous_4,
-        );
-    let index_interosseous_14 = k_intrinsic
-        * (0.045210728815182795 + index_interosseous_11 - rest_index_interosseous);
-    let index_ab_19 = mul_add(
-        index_interosseous_13,
-        index_interosseous_14,
-        mul_add(index_fdp_10, index_fdp_15, index_edc_10 * index_edc_13),
->>>>>>> work-a
-    );
-    let interosseous_11 = c_25 * (interosseous_6 + c_29 - rest_interosseous);
-    let ab_37 = neg_mul_add(
-        interosseous_10,
-        interosseous_11,
-        mul_add(fdp_14, fdp_9, edc_9 * edc_12),
-    );
-    let band_1 = mul_add(sin_ab, c_15, cos_ab * c_16);
+    let band_1 = mul_add(sin_ab, c_14, cos_ab * c_15);
     let index_band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1);
     let band_2 = index_band_1 - band_1;
-    let band_3 = neg_mul_add(sin_ab, c_16, cos_ab * c_15);
-    let band_4 = c_17 - band_3;
+    let band_3 = neg_mul_add(sin_ab, c_15, cos_ab * c_14);
+    let band_4 = c_16 - band_3;
     let index_band_2 = mul_add(L::splat(0.005), cos_mcp, index_interosseous_3);
     let index_band_3 = L::splat(0.005) - index_band_2;
     let band_5 = mul_add(
@@ -1028,701 +209,531 @@ pub fn evaluate_with_matrix(
     );
     let band_6 = sqrt(band_5);
     let band_7 = L::splat(1.0) / band_6;
-    let band_8 = band_2 * band_7;
-    let band_9 = band_4 * band_7;
-    let band_10 = neg_mul_add(band_3, band_8, band_1 * band_9);
-    let band_11 = mul_add(sin_pip, c_21, cos_pip * c_22);
-    let band_12 = sqrt(neg_mul_add(L::splat(2.0), band_11, c_23));
-    let band_13 = mul_add(cos_dip, c_18, sin_dip * c_19);
-    let band_14 = sqrt(neg_mul_add(L::splat(2.0), band_13, c_20));
-    let band_15 = (band_14 + (band_12 + (band_6 + c_24)) - rest_band) * c_25;
-    force[0] = neg_mul_add(band_10, band_15, ab_37);
-    let fdp_15 = index_fdp_3 * fdp_6;
-    let fdp_16 = mul_add(index_fdp_1, fdp_15, index_fdp_2 * fdp_7);
-    let mcp_10 = mul_sub(fdp_14, fdp_16, mul_add(ab_9, ab_36, ab_15 * ab_28));
-    let edc_13 = index_edc_3 * edc_6;
-    let edc_14 = neg_mul_add(index_edc_1, edc_13, index_edc_2 * edc_7);
-    let interosseous_12 = index_interosseous_5 * interosseous_7;
-    let interosseous_13 = mul_add(
-        index_interosseous_2,
-        interosseous_12,
-        index_interosseous_4 * interosseous_8,
-    );
-<<<<<<< HEAD
-    let band_16 = index_band_3 * band_7;
-    let band_17 = mul_add(index_band_1, band_16, index_band_2 * band_8);
-    force[1] = mul_add(
-        band_15,
-        band_17,
-        mul_add(interosseous_11, interosseous_13, neg_mul_add(edc_12, edc_14, mcp_10)),
-    );
-    let pip_3 = neg_mul_add(ab_9, ab_6, ab_15 * ab_29);
-    let pip_4 = pip_3 + neg_mul_add(ab_9, ab_19, ab_15 * ab_33);
-    let pip_5 = ab_15 * c_6;
-    let pip_6 = neg_mul_add(mcp_2, ab_33, dip_1);
-    let pip_7 = v_mcp * c_6;
-    let pip_8 = neg_mul_add(pip_4, pip_5, pip_6 * pip_7)
-        - mul_add(ab_9, ab_35, ab_15 * ab_27);
-    let fdp_17 = L::splat(1.0) / fdp_11;
-    let fdp_18 = fdp_17 * neg_mul_add(cos_pip, c_33, sin_pip * c_34);
-    let edc_15 = L::splat(1.0) / edc_11;
-    let edc_16 = edc_15 * neg_mul_add(cos_pip, c_42, sin_pip * c_43);
-    let band_18 = L::splat(1.0) / band_12;
-    let band_19 = band_18 * neg_mul_add(cos_pip, c_21, sin_pip * c_22);
-    force[2] = neg_mul_add(
-        band_15,
-        band_19,
-        neg_mul_add(edc_12, edc_16, neg_mul_add(fdp_14, fdp_18, pip_8)),
-    );
-    let dip_2 = mul_add(ab_9, ab_12, ab_15 * ab_4);
-    let dip_3 = mul_sub(mcp_2, ab_4, mcp_4);
-    let dip_4 = mcp_2 * ab_12;
-    let dip_5 = neg_mul_add(pip_1, dip_4, neg_mul_add(pip_3, dip_2, dip_1 * dip_3));
-    let fdp_19 = L::splat(1.0) / fdp_13;
-    let fdp_20 = fdp_19 * neg_mul_add(cos_dip, c_31, sin_dip * c_30);
-    let dip_6 = neg_mul_add(fdp_14, fdp_20, dip_5 - mul_add(ab_9, ab_32, ab_15 * ab_17));
-    let band_20 = L::splat(1.0) / band_14;
-    let band_21 = band_20 * neg_mul_add(cos_dip, c_19, sin_dip * c_18);
-    force[3] = neg_mul_add(band_15, band_21, dip_6);
-    let fdp_21 = mul_add(
-        fdp_6,
-        neg_mul_add(fdp_9, fdp_9, mul_add(fdp_1, fdp_1, fdp_4)),
-        neg_mul_add(fdp_3, fdp_8, fdp_1 * fdp_7),
-    );
-    let index_fdp_4 = L::splat(0.25) * h;
-    let fdp_22 = index_fdp_4 * fdp_14;
-    let index_fdp_5 = index_fdp_4 * c_39;
-    let ab_38 = ab_8 + ab_22;
-    let ab_39 = c_13 + ab_38;
-    let ab_40 = ab_26 + ab_14;
-    let ab_41 = L::splat(1.0) / h;
-    let ab_42 = ab_34 + ab_30;
-    let ab_43 = c_0 + ab_42;
-    let ab_44 = sin_mcp * (ab_41 * neg_mul_add(sin_mcp, ab_43, cos_mcp * ab_40));
-    let ab_45 = neg_mul_add(
-        cos_mcp,
-        ab_41 * neg_mul_add(sin_mcp, ab_40, cos_mcp * ab_39),
-        ab_44,
-    );
-    let ab_46 = ab_45 - mul_add(fdp_21, fdp_22, fdp_9 * (fdp_9 * index_fdp_5));
-    let edc_17 = mul_add(
-        edc_6,
-        neg_mul_add(edc_9, edc_9, mul_add(edc_1, edc_1, edc_4)),
-        neg_mul_add(edc_3, edc_8, edc_1 * edc_7),
-    );
-    let edc_18 = index_fdp_4 * edc_12;
-    let index_edc_4 = index_fdp_4 * c_46;
-    let ab_47 = ab_46 - mul_add(edc_9, edc_9 * index_edc_4, edc_17 * edc_18);
-    let interosseous_14 = neg_mul_add(
-        interosseous_10,
-        interosseous_10,
-        mul_add(interosseous_1, interosseous_1, interosseous_3 * interosseous_3),
-    );
-    let interosseous_15 = mul_add(
-        interosseous_7,
-        interosseous_14,
-        mul_add(interosseous_1, interosseous_8, interosseous_3 * interosseous_9),
-    );
-    let interosseous_16 = index_fdp_4 * interosseous_11;
-    let index_interosseous_6 = index_fdp_4 * c_25;
-    let ab_48 = ab_47
-        - mul_add(
-            interosseous_15,
-            interosseous_16,
-            interosseous_10 * (interosseous_10 * index_interosseous_6),
-        );
-    let band_22 = neg_mul_add(
+    let band_8 = sqrt(c_23 - mul_add(sin_pip, c_21, cos_pip * c_22));
+    let band_9 = sqrt(c_19 - mul_add(cos_dip, c_17, sin_dip * c_18));
+    let band_10 = (band_9 + (band_6 + c_20 + band_8) - rest_band) * c_24;
+    force[0] = neg_mul_add(
+        neg_mul_add(band_2, band_3, band_1 * band_4) * band_7,
         band_10,
-        band_10,
-        mul_add(band_1, band_1, band_3 * band_3),
+        ab_16,
     );
-    let band_23 = mul_add(band_7, band_22, mul_add(band_1, band_8, band_3 * band_9));
-    let band_24 = index_fdp_4 * band_15;
-    matrix[0] = ab_48
-        - mul_add(band_23, band_24, band_10 * (band_10 * index_interosseous_6));
-    let fdp_23 = fdp_16 * index_fdp_5;
-    let fdp_24 = mul_add(
-        fdp_22,
-        fdp_6 * neg_mul_add(fdp_9, fdp_16, index_fdp_2 * fdp_3),
-        fdp_9 * fdp_23,
+    let mcp_23 = v_ab * ab_4;
+    let mcp_24 = neg_mul_add(
+        mcp_23,
+        v_ab * mcp_6,
+        neg_mul_add(mcp_3, mcp_14, mcp_5 * mcp_12),
     );
-    let ab_49 = ab_15 * ab_40;
-    let ab_50 = ab_28 - mul_add(ab_9, ab_43, ab_49);
-    let ab_51 = ab_9 * ab_40;
-    let ab_52 = ab_36 + mul_add(ab_15, ab_39, ab_51);
-    let ab_53 = mul_add(cos_mcp, ab_52, sin_mcp * ab_50);
-    let edc_19 = edc_18 * (edc_6 * neg_mul_add(index_edc_2, edc_3, edc_9 * edc_14));
-    let edc_20 = edc_14 * index_edc_4;
-    let edc_21 = neg_mul_add(edc_9, edc_20, edc_19);
-    let interosseous_17 = interosseous_16
-        * (interosseous_7
+    let mcp_25 = v_ab * ab_9;
+    let mcp_26 = neg_mul_add(
+        mcp_25,
+        v_ab * mcp_8,
+        neg_mul_add(mcp_20, mcp_7, mcp_18 * mcp_10),
+    );
+    let mcp_27 = v_ab * v_ab;
+    let mcp_28 = neg_mul_add(
+        v_ab * mcp_4,
+        mul_add(v_ab, ab_5, mcp_25),
+        neg_mul_add(mcp_5, mcp_13, mcp_3 * mcp_15),
+    );
+    let mcp_29 = neg_mul_add(mcp_27, ab_3 * ab_13, mcp_28);
+    let mcp_30 = mcp_29 + neg_mul_add(mcp_27, ab_2 * ab_6, mcp_24 + mcp_26);
+    let mcp_31 = neg_mul_add(
+        v_ab * mcp_9,
+        mul_add(v_ab, ab_8, mcp_23),
+        neg_mul_add(mcp_19, mcp_10, mcp_21 * mcp_7),
+    );
+    let mcp_32 = mul_add(
+        fdp_9,
+        fdp_6 * mul_add(index_fdp_1, index_fdp_3, index_fdp_2 * fdp_2),
+        neg_mul_add(mcp_27, cos_mcp * ab_10, mcp_31) + mcp_30,
+    );
+    let mcp_33 = neg_mul_add(
+        edc_8,
+        edc_6 * neg_mul_add(index_edc_1, index_edc_3, index_edc_2 * edc_2),
+        mcp_32,
+    );
+    let mcp_34 = mul_add(
+        interosseous_8,
+        interosseous_7
             * mul_add(
-                index_interosseous_4,
-                interosseous_3,
-                interosseous_10 * interosseous_13,
-            ));
-    let interosseous_18 = interosseous_13 * index_interosseous_6;
-    let interosseous_19 = neg_mul_add(interosseous_10, interosseous_18, interosseous_17);
-    let band_25 = band_24 * (band_7 * mul_add(index_band_2, band_3, band_10 * band_17));
-    let band_26 = band_17 * index_interosseous_6;
-    let band_27 = neg_mul_add(band_10, band_26, band_25);
-    matrix[1] = mul_sub(L::splat(0.5), ab_53, fdp_24) - edc_21 - interosseous_19
-        - band_27;
-    let ab_54 = ab_33 + ab_29;
-    let ab_55 = mul_sub(pip_5, ab_54, mul_add(ab_9, ab_42, ab_49))
-        + mul_add(c_6, pip_4, ab_27);
-    let ab_56 = ab_19 + ab_6;
-    let ab_57 = mul_sub(pip_5, ab_56, mul_add(ab_15, ab_38, ab_51)) - ab_35;
-    let ab_58 = neg_mul_add(sin_mcp, ab_55, cos_mcp * ab_57);
-    let fdp_25 = fdp_18 * index_fdp_5;
-    let fdp_26 = fdp_9 * fdp_25;
-    let edc_22 = edc_16 * index_edc_4;
-    let band_28 = band_19 * index_interosseous_6;
-    matrix[2] = neg_mul_add(
+                index_interosseous_2,
+                index_interosseous_5,
+                index_interosseous_4 * interosseous_2,
+            ),
+        mcp_33,
+    );
+    force[1] = mul_add(
         band_10,
-        band_28,
-        mul_add(edc_9, edc_22, neg_mul_add(L::splat(0.5), ab_58, fdp_26)),
+        band_7 * mul_add(index_band_1, index_band_3, index_band_2 * band_2),
+        mcp_34,
     );
-    let ab_59 = mul_sub(ab_29, dip_2, mul_add(ab_9, ab_30, ab_16))
-        + mul_add(ab_4, pip_3, ab_17);
-    let ab_60 = mul_sub(ab_6, dip_2, mul_add(ab_15, ab_8, ab_31))
-        - mul_add(ab_12, pip_3, ab_32);
-    let ab_61 = neg_mul_add(sin_mcp, ab_59, cos_mcp * ab_60);
-    let fdp_27 = fdp_20 * index_fdp_5;
-    let fdp_28 = fdp_9 * fdp_27;
-    let band_29 = band_21 * index_interosseous_6;
-    matrix[3] = neg_mul_add(band_10, band_29, neg_mul_add(L::splat(0.5), ab_61, fdp_28));
-    let mcp_11 = band_27
-        + (interosseous_19 + (edc_21 + mul_add(L::splat(0.5), ab_53, fdp_24)));
-    matrix[4] = -mcp_11;
-    let fdp_29 = neg_mul_add(
-        fdp_16,
-        fdp_16,
-        mul_add(index_fdp_2, index_fdp_2, index_fdp_1 * index_fdp_1),
+    let fdp_11 = neg_mul_add(cos_pip, c_50, sin_pip * c_51) / fdp_7;
+    let edc_9 = neg_mul_add(cos_pip, c_48, sin_pip * c_49) / edc_7;
+    let band_11 = neg_mul_add(cos_pip, c_46, sin_pip * c_47) / band_8;
+    force[2] = neg_mul_add(
+        band_10,
+        band_11,
+        neg_mul_add(edc_8, edc_9, neg_mul_add(fdp_9, fdp_11, mcp_30)),
     );
-    let fdp_30 = mul_add(
-        fdp_6,
-        fdp_29,
-        neg_mul_add(index_fdp_1, fdp_7, index_fdp_2 * fdp_15),
+    let fdp_12 = neg_mul_add(cos_dip, c_54, sin_dip * c_55) / fdp_8;
+    let band_12 = neg_mul_add(cos_dip, c_52, sin_dip * c_53) / band_9;
+    force[3] = neg_mul_add(band_10, band_12, neg_mul_add(fdp_9, fdp_12, mcp_29));
+}
+
+/// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
+///
+/// Coordinates: `index.ab` (digit.hdl:36), `index.mcp` (digit.hdl:38), `index.pip` (digit.hdl:43), `index.dip` (digit.hdl:48).
+///
+/// Bodies: `index.proximal` (digit.hdl:39), `index.middle` (digit.hdl:44), `index.distal` (digit.hdl:49).
+///
+/// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
+///
+/// 619 operations: 96 sums, 194 products, 153 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
+#[inline(always)]
+pub fn evaluate_with_matrix<L: Lane>(
+    q: &[L; 4],
+    v: &[L; 4],
+    h: L,
+    rest: &[L; 4],
+    constants: &[f64],
+    momentum: &mut [L; 4],
+    force: &mut [L; 4],
+    matrix: &mut [L; 16],
+) {
+    let constants = &constants[..56 * L::WIDTH];
+    let q_ab = q[0];
+    let q_mcp = q[1];
+    let q_pip = q[2];
+    let q_dip = q[3];
+    let v_ab = v[0];
+    let v_mcp = v[1];
+    let v_pip = v[2];
+    let v_dip = v[3];
+    let rest_fdp = rest[0];
+    let rest_edc = rest[1];
+    let rest_interosseous = rest[2];
+    let rest_band = rest[3];
+    let c_0 = L::load(&constants[0 * L::WIDTH..]);
+    let c_1 = L::load(&constants[1 * L::WIDTH..]);
+    let c_2 = L::load(&constants[2 * L::WIDTH..]);
+    let c_3 = L::load(&constants[3 * L::WIDTH..]);
+    let c_4 = L::load(&constants[4 * L::WIDTH..]);
+    let c_5 = L::load(&constants[5 * L::WIDTH..]);
+    let c_6 = L::load(&constants[6 * L::WIDTH..]);
+    let c_7 = L::load(&constants[7 * L::WIDTH..]);
+    let c_8 = L::load(&constants[8 * L::WIDTH..]);
+    let c_9 = L::load(&constants[9 * L::WIDTH..]);
+    let c_10 = L::load(&constants[10 * L::WIDTH..]);
+    let c_11 = L::load(&constants[11 * L::WIDTH..]);
+    let c_12 = L::load(&constants[12 * L::WIDTH..]);
+    let c_13 = L::load(&constants[13 * L::WIDTH..]);
+    let c_14 = L::load(&constants[14 * L::WIDTH..]);
+    let c_15 = L::load(&constants[15 * L::WIDTH..]);
+    let c_16 = L::load(&constants[16 * L::WIDTH..]);
+    let c_17 = L::load(&constants[17 * L::WIDTH..]);
+    let c_18 = L::load(&constants[18 * L::WIDTH..]);
+    let c_19 = L::load(&constants[19 * L::WIDTH..]);
+    let c_20 = L::load(&constants[20 * L::WIDTH..]);
+    let c_21 = L::load(&constants[21 * L::WIDTH..]);
+    let c_22 = L::load(&constants[22 * L::WIDTH..]);
+    let c_23 = L::load(&constants[23 * L::WIDTH..]);
+    let c_24 = L::load(&constants[24 * L::WIDTH..]);
+    let c_25 = L::load(&constants[25 * L::WIDTH..]);
+    let c_26 = L::load(&constants[26 * L::WIDTH..]);
+    let c_27 = L::load(&constants[27 * L::WIDTH..]);
+    let c_28 = L::load(&constants[28 * L::WIDTH..]);
+    let c_29 = L::load(&constants[29 * L::WIDTH..]);
+    let c_30 = L::load(&constants[30 * L::WIDTH..]);
+    let c_31 = L::load(&constants[31 * L::WIDTH..]);
+    let c_32 = L::load(&constants[32 * L::WIDTH..]);
+    let c_33 = L::load(&constants[33 * L::WIDTH..]);
+    let c_34 = L::load(&constants[34 * L::WIDTH..]);
+    let c_35 = L::load(&constants[35 * L::WIDTH..]);
+    let c_36 = L::load(&constants[36 * L::WIDTH..]);
+    let c_37 = L::load(&constants[37 * L::WIDTH..]);
+    let c_38 = L::load(&constants[38 * L::WIDTH..]);
+    let c_39 = L::load(&constants[39 * L::WIDTH..]);
+    let c_40 = L::load(&constants[40 * L::WIDTH..]);
+    let c_41 = L::load(&constants[41 * L::WIDTH..]);
+    let c_42 = L::load(&constants[42 * L::WIDTH..]);
+    let c_43 = L::load(&constants[43 * L::WIDTH..]);
+    let c_44 = L::load(&constants[44 * L::WIDTH..]);
+    let c_45 = L::load(&constants[45 * L::WIDTH..]);
+    let c_46 = L::load(&constants[46 * L::WIDTH..]);
+    let c_47 = L::load(&constants[47 * L::WIDTH..]);
+    let c_48 = L::load(&constants[48 * L::WIDTH..]);
+    let c_49 = L::load(&constants[49 * L::WIDTH..]);
+    let c_50 = L::load(&constants[50 * L::WIDTH..]);
+    let c_51 = L::load(&constants[51 * L::WIDTH..]);
+    let c_52 = L::load(&constants[52 * L::WIDTH..]);
+    let c_53 = L::load(&constants[53 * L::WIDTH..]);
+    let c_54 = L::load(&constants[54 * L::WIDTH..]);
+    let c_55 = L::load(&constants[55 * L::WIDTH..]);
+    let (sin_pip, cos_pip) = sin_cos(q_pip);
+    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
+    let ab_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let ab_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
+    let ab_3 = mul_sub(cos_dip, ab_2, sin_dip * ab_1);
+    let ab_4 = ab_3 * c_2;
+    let ab_5 = ab_2 * c_3;
+    let ab_6 = ab_4 * ab_5;
+    let ab_7 = ab_1 * c_0;
+    let ab_8 = neg_mul_add(ab_1, ab_7, c_1);
+    let ab_9 = ab_2 * c_4;
+    let ab_10 = ab_4 + ab_9;
+    let ab_11 = cos_mcp * c_5;
+    let ab_12 = sin_mcp * c_6;
+    let ab_13 = neg_mul_add(sin_mcp, ab_12, c_7);
+    let ab_14 = mul_add(L::splat(2.0), ab_6, ab_8)
+        + (mul_add(L::splat(2.0), ab_10 * ab_11, ab_13) + c_8);
+    let ab_15 = mul_add(cos_dip, ab_1, sin_dip * ab_2);
+    let ab_16 = ab_15 * c_9;
+    let ab_17 = neg_mul_add(ab_15, ab_16, c_10);
+    let ab_18 = ab_14 + ab_17;
+    momentum[0] = v_ab * ab_18;
+    let mcp_1 = v_mcp + v_pip;
+    let mcp_2 = v_dip + mcp_1;
+    let mcp_3 = mcp_2 * ab_4;
+    let mcp_4 = ab_15 * c_2;
+    let mcp_5 = mcp_2 * mcp_4;
+    let mcp_6 = ab_1 * c_3;
+    let mcp_7 = v_mcp * ab_11;
+    let mcp_8 = ab_1 * c_4;
+    let mcp_9 = sin_mcp * c_5;
+    let mcp_10 = v_mcp * mcp_9;
+    let mcp_11 = mul_add(mcp_8, mcp_10, ab_9 * mcp_7)
+        + mul_add(mcp_5, mcp_6, ab_5 * mcp_3);
+    let mcp_12 = mcp_1 * ab_5;
+    let mcp_13 = mcp_12 + mcp_7;
+    let mcp_14 = mcp_1 * mcp_6;
+    let mcp_15 = mcp_10 + mcp_14;
+    let mcp_16 = mul_add(mcp_2, c_12, mul_add(mcp_4, mcp_15, ab_4 * mcp_13));
+    let mcp_17 = mcp_16 + mul_add(mcp_1, c_13, mcp_11);
+    let mcp_18 = mcp_1 * ab_9;
+    let mcp_19 = mcp_3 + mcp_18;
+    let mcp_20 = mcp_1 * mcp_8;
+    let mcp_21 = mcp_5 + mcp_20;
+    let mcp_22 = mul_add(v_mcp, c_11, mul_add(mcp_9, mcp_21, ab_11 * mcp_19));
+    momentum[1] = mcp_22 + mcp_17;
+    momentum[2] = mcp_17;
+    momentum[3] = mcp_16;
+    let (sin_ab, cos_ab) = sin_cos(q_ab);
+    let fdp_1 = mul_add(sin_ab, c_43, cos_ab * c_42);
+    let index_fdp_1 = mul_sub(L::splat(0.012), cos_mcp, L::splat(0.01) * sin_mcp);
+    let fdp_2 = index_fdp_1 - fdp_1;
+    let fdp_3 = neg_mul_add(sin_ab, c_42, cos_ab * c_43);
+    let index_fdp_2 = mul_add(L::splat(0.01), cos_mcp, L::splat(0.012) * sin_mcp);
+    let index_fdp_3 = L::splat(0.011) - index_fdp_2;
+    let fdp_4 = mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_3, fdp_3, fdp_2 * fdp_2));
+    let fdp_5 = sqrt(fdp_4);
+    let fdp_6 = L::splat(1.0) / fdp_5;
+    let fdp_7 = fdp_6 * mul_add(fdp_3, fdp_1, fdp_3 * fdp_2);
+    let fdp_8 = mul_add(sin_pip, c_39, cos_pip * c_40);
+    let fdp_9 = sqrt(c_41 - fdp_8);
+    let fdp_10 = mul_add(cos_dip, c_36, sin_dip * c_37);
+    let fdp_11 = sqrt(c_38 - fdp_10);
+    let fdp_12 = (fdp_11 + (fdp_9 + (fdp_5 + c_44)) - rest_fdp) * c_45;
+    let edc_1 = mul_add(sin_ab, c_32, cos_ab * c_33);
+    let index_edc_1 = mul_add(L::splat(0.003), cos_mcp, L::splat(0.0105) * sin_mcp);
+    let edc_2 = index_edc_1 - edc_1;
+    let edc_3 = neg_mul_add(sin_ab, c_33, cos_ab * c_32);
+    let index_edc_2 = mul_sub(L::splat(0.0105), cos_mcp, L::splat(0.003) * sin_mcp);
+    let index_edc_3 = L::splat(-0.011) + index_edc_2;
+    let edc_4 = mul_add(index_edc_3, index_edc_3, mul_add(edc_2, edc_2, edc_3 * edc_3));
+    let edc_5 = sqrt(edc_4);
+    let edc_6 = L::splat(1.0) / edc_5;
+    let edc_7 = mul_add(edc_1, edc_3, edc_2 * edc_3) * edc_6;
+    let edc_8 = mul_add(sin_pip, c_29, cos_pip * c_30);
+    let edc_9 = sqrt(c_31 - edc_8);
+    let edc_10 = (edc_9 + (edc_5 + c_34) - rest_edc) * c_35;
+    let interosseous_1 = mul_add(sin_ab, c_25, cos_ab * c_26);
+    let index_interosseous_1 = L::splat(0.008) * cos_mcp;
+    let index_interosseous_2 = neg_mul_add(
+        L::splat(0.001),
+        sin_mcp,
+        index_interosseous_1,
     );
-    let mcp_12 = neg_mul_add(ab_9, index_fdp_4 * ab_50, ab_15 * (index_fdp_4 * ab_52));
-    let mcp_13 = mcp_8 + mcp_1;
-    let mcp_14 = neg_mul_add(ab_41, c_14 + mcp_13, mcp_12)
-        - mul_add(fdp_22, fdp_30, fdp_16 * fdp_23);
-    let edc_23 = neg_mul_add(
-        edc_14,
-        edc_14,
-        mul_add(index_edc_2, index_edc_2, index_edc_1 * index_edc_1),
+    let interosseous_2 = index_interosseous_2 - interosseous_1;
+    let interosseous_3 = neg_mul_add(sin_ab, c_26, cos_ab * c_25);
+    let interosseous_4 = c_27 - interosseous_3;
+    let index_interosseous_3 = L::splat(0.008) * sin_mcp;
+    let index_interosseous_4 = mul_add(L::splat(0.001), cos_mcp, index_interosseous_3);
+    let index_interosseous_5 = L::splat(0.001) - index_interosseous_4;
+    let interosseous_5 = mul_add(
+        index_interosseous_5,
+        index_interosseous_5,
+        mul_add(interosseous_2, interosseous_2, interosseous_4 * interosseous_4),
     );
-    let edc_24 = mul_sub(
-        edc_6,
-        edc_23,
-        mul_add(index_edc_2, edc_13, index_edc_1 * edc_7),
+    let interosseous_6 = sqrt(interosseous_5);
+    let interosseous_7 = L::splat(1.0) / interosseous_6;
+    let interosseous_8 = neg_mul_add(
+        interosseous_2,
+        interosseous_3,
+        interosseous_1 * interosseous_4,
+    ) * interosseous_7;
+    let interosseous_9 = c_24 * (interosseous_6 + c_28 - rest_interosseous);
+    let ab_19 = neg_mul_add(
+        interosseous_9,
+        interosseous_8,
+        mul_add(edc_10, edc_7, fdp_12 * fdp_7),
     );
-    let interosseous_20 = neg_mul_add(
-        interosseous_13,
-        interosseous_13,
-        mul_add(
-            index_interosseous_4,
-            index_interosseous_4,
-            index_interosseous_2 * index_interosseous_2,
-        ),
+    let band_1 = mul_add(sin_ab, c_14, cos_ab * c_15);
+    let index_band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1);
+    let band_2 = index_band_1 - band_1;
+    let band_3 = neg_mul_add(sin_ab, c_15, cos_ab * c_14);
+    let band_4 = c_16 - band_3;
+    let index_band_2 = mul_add(L::splat(0.005), cos_mcp, index_interosseous_3);
+    let index_band_3 = L::splat(0.005) - index_band_2;
+    let band_5 = mul_add(
+        index_band_3,
+        index_band_3,
+        mul_add(band_2, band_2, band_4 * band_4),
     );
-    let interosseous_21 = mul_add(
-        interosseous_7,
-        interosseous_20,
-        neg_mul_add(
+    let band_6 = sqrt(band_5);
+    let band_7 = L::splat(1.0) / band_6;
+    let band_8 = neg_mul_add(band_2, band_3, band_1 * band_4) * band_7;
+    let band_9 = mul_add(sin_pip, c_21, cos_pip * c_22);
+    let band_10 = sqrt(c_23 - band_9);
+    let band_11 = mul_add(cos_dip, c_17, sin_dip * c_18);
+    let band_12 = sqrt(c_19 - band_11);
+    let band_13 = (band_12 + (band_6 + c_20 + band_10) - rest_band) * c_24;
+    force[0] = neg_mul_add(band_8, band_13, ab_19);
+    let mcp_23 = v_ab * ab_4;
+    let mcp_24 = v_ab * mcp_6;
+    let mcp_25 = neg_mul_add(mcp_23, mcp_24, neg_mul_add(mcp_3, mcp_14, mcp_5 * mcp_12));
+    let mcp_26 = v_ab * mcp_8;
+    let mcp_27 = v_ab * ab_11;
+    let mcp_28 = neg_mul_add(
+        mcp_27,
+        mcp_26,
+        neg_mul_add(mcp_20, mcp_7, mcp_18 * mcp_10),
+    );
+    let mcp_29 = ab_2 * ab_7;
+    let mcp_30 = v_ab * v_ab;
+    let mcp_31 = v_ab * mcp_4;
+    let mcp_32 = v_ab * ab_5;
+    let mcp_33 = mcp_32 + mcp_27;
+    let mcp_34 = neg_mul_add(mcp_31, mcp_33, neg_mul_add(mcp_5, mcp_13, mcp_3 * mcp_15));
+    let mcp_35 = ab_3 * ab_16;
+    let mcp_36 = neg_mul_add(mcp_30, mcp_35, mcp_34);
+    let mcp_37 = mcp_36 + neg_mul_add(mcp_30, mcp_29, mcp_25 + mcp_28);
+    let mcp_38 = v_ab * ab_9;
+    let mcp_39 = mcp_23 + mcp_38;
+    let mcp_40 = v_ab * mcp_9;
+    let mcp_41 = neg_mul_add(
+        mcp_40,
+        mcp_39,
+        neg_mul_add(mcp_19, mcp_10, mcp_21 * mcp_7),
+    );
+    let mcp_42 = cos_mcp * ab_12;
+    let fdp_13 = fdp_6 * mul_add(index_fdp_1, index_fdp_3, index_fdp_2 * fdp_2);
+    let mcp_43 = mul_add(fdp_12, fdp_13, neg_mul_add(mcp_30, mcp_42, mcp_41) + mcp_37);
+    let edc_11 = edc_6 * neg_mul_add(index_edc_1, index_edc_3, index_edc_2 * edc_2);
+    let interosseous_10 = interosseous_7
+        * mul_add(
             index_interosseous_2,
+            index_interosseous_5,
+            index_interosseous_4 * interosseous_2,
+        );
+    let band_14 = band_7 * mul_add(index_band_1, index_band_3, index_band_2 * band_2);
+    force[1] = mul_add(
+        band_13,
+        band_14,
+        mul_add(interosseous_9, interosseous_10, neg_mul_add(edc_10, edc_11, mcp_43)),
+    );
+    let fdp_14 = L::splat(1.0) / fdp_9;
+    let fdp_15 = fdp_14 * neg_mul_add(cos_pip, c_50, sin_pip * c_51);
+    let edc_12 = L::splat(1.0) / edc_9;
+    let edc_13 = edc_12 * neg_mul_add(cos_pip, c_48, sin_pip * c_49);
+    let band_15 = L::splat(1.0) / band_10;
+    let band_16 = band_15 * neg_mul_add(cos_pip, c_46, sin_pip * c_47);
+    force[2] = neg_mul_add(
+        band_13,
+        band_16,
+        neg_mul_add(edc_10, edc_13, neg_mul_add(fdp_12, fdp_15, mcp_37)),
+    );
+    let fdp_16 = L::splat(1.0) / fdp_11;
+    let fdp_17 = fdp_16 * neg_mul_add(cos_dip, c_54, sin_dip * c_55);
+    let band_17 = L::splat(1.0) / band_12;
+    let band_18 = band_17 * neg_mul_add(cos_dip, c_52, sin_dip * c_53);
+    force[3] = neg_mul_add(band_13, band_18, neg_mul_add(fdp_12, fdp_17, mcp_36));
+    let index_fdp_4 = L::splat(0.25) * h;
+    let fdp_18 = index_fdp_4 * fdp_12;
+    let fdp_19 = fdp_6 * fdp_18;
+    let index_fdp_5 = index_fdp_4 * c_45;
+    let fdp_20 = index_fdp_5 - fdp_19;
+    let fdp_21 = index_fdp_1 * fdp_1;
+    let ab_20 = L::splat(1.0) / h;
+    let ab_21 = mul_add(ab_20, ab_18, mul_add(fdp_7, fdp_7 * fdp_20, fdp_19 * fdp_21));
+    let edc_14 = index_fdp_4 * edc_10;
+    let edc_15 = edc_6 * edc_14;
+    let index_edc_4 = index_fdp_4 * c_35;
+    let edc_16 = index_edc_4 - edc_15;
+    let edc_17 = index_edc_1 * edc_1;
+    let ab_22 = ab_21 + mul_add(edc_7, edc_7 * edc_16, edc_15 * edc_17);
+    let interosseous_11 = interosseous_7 * (index_fdp_4 * interosseous_9);
+    let index_interosseous_6 = index_fdp_4 * c_24;
+    let interosseous_12 = index_interosseous_6 - interosseous_11;
+    let interosseous_13 = index_interosseous_2 * interosseous_1;
+    let interosseous_14 = mul_add(
+        mul_add(interosseous_3, c_27, interosseous_13),
+        interosseous_11,
+        interosseous_8 * (interosseous_8 * interosseous_12),
+    );
+    let band_19 = index_fdp_4 * band_13;
+    let band_20 = band_7 * band_19;
+    let band_21 = index_interosseous_6 - band_20;
+    let band_22 = index_band_1 * band_1;
+    let band_23 = mul_add(
+        mul_add(band_3, c_16, band_22),
+        band_20,
+        band_8 * (band_8 * band_21),
+    );
+    matrix[0] = -(ab_22 + interosseous_14 + band_23);
+    let fdp_22 = fdp_13 * fdp_20;
+    let edc_18 = edc_11 * edc_16;
+    let ab_23 = mul_add(edc_15, index_edc_2 * edc_3, edc_7 * edc_18)
+        - mul_add(fdp_7, fdp_22, fdp_19 * (index_fdp_2 * fdp_3));
+    let interosseous_15 = interosseous_10 * interosseous_12;
+    let ab_24 = ab_23
+        - neg_mul_add(
             interosseous_8,
-            index_interosseous_4 * interosseous_12,
-        ),
+            interosseous_15,
+            interosseous_11 * (index_interosseous_4 * interosseous_3),
+        );
+    let band_24 = band_14 * band_21;
+    let ab_25 = ab_24 - neg_mul_add(band_8, band_24, band_20 * (index_band_2 * band_3));
+    let ab_26 = L::splat(2.0) * v_ab;
+    let ab_27 = mul_add(ab_26, mcp_35, mul_add(mcp_31, ab_5 + ab_11, mcp_4 * mcp_33));
+    let ab_28 = L::splat(0.5) * ab_27;
+    let ab_29 = mul_add(mcp_6, mcp_23, mul_add(ab_11, mcp_26, ab_4 * mcp_24));
+    let ab_30 = mul_add(
+        L::splat(0.5),
+        mul_add(ab_26, mcp_29, mul_add(mcp_8, mcp_27, ab_29)),
+        ab_28,
     );
-    let mcp_15 = mcp_14 - mul_add(edc_18, edc_24, edc_14 * edc_20)
-        - mul_add(interosseous_13, interosseous_18, interosseous_16 * interosseous_21);
-    let band_30 = neg_mul_add(
-        band_17,
-        band_17,
-        mul_add(index_band_2, index_band_2, index_band_1 * index_band_1),
+    let ab_31 = mul_add(ab_26, mcp_42, mul_add(ab_10, mcp_40, mcp_9 * mcp_39));
+    let ab_32 = mul_add(L::splat(0.5), ab_31, ab_30);
+    matrix[1] = ab_25 + ab_32;
+    let edc_19 = edc_13 * index_edc_4;
+    let fdp_23 = fdp_15 * index_fdp_5;
+    let band_25 = band_16 * index_interosseous_6;
+    let ab_33 = neg_mul_add(band_8, band_25, mul_add(fdp_7, fdp_23, edc_7 * edc_19));
+    matrix[2] = ab_30 + ab_33;
+    let band_26 = band_18 * index_interosseous_6;
+    let fdp_24 = fdp_17 * index_fdp_5;
+    let ab_34 = neg_mul_add(band_8, band_26, fdp_7 * fdp_24);
+    matrix[3] = ab_28 + ab_34;
+    matrix[4] = ab_25 - ab_32;
+    let mcp_44 = mul_add(mcp_3, mcp_12, mcp_5 * mcp_14);
+    let mcp_45 = L::splat(2.0) * mcp_30;
+    let mcp_46 = mul_add(mcp_20, mcp_10, mcp_18 * mcp_7);
+    let mcp_47 = mul_add(mcp_45, ab_8, mul_add(mcp_23, mcp_32, mcp_44))
+        + mul_add(mcp_38, mcp_27, mcp_46);
+    let mcp_48 = neg_mul_add(
+        ab_20,
+        mul_add(mcp_4, mcp_6, ab_6),
+        index_fdp_4 * mul_add(mcp_31, mcp_24, mcp_44),
     );
-    let band_31 = mul_add(
-        band_7,
-        band_30,
-        neg_mul_add(index_band_1, band_8, index_band_2 * band_16),
+    let mcp_49 = mul_add(mcp_23, mcp_33, mul_add(mcp_3, mcp_13, mcp_5 * mcp_15));
+    let mcp_50 = mul_add(index_fdp_4, mul_add(mcp_45, ab_17, mcp_49), ab_20 * c_12);
+    let mcp_51 = mcp_48 - mcp_50;
+    let mcp_52 = mcp_51 + (mcp_48 - mul_add(index_fdp_4, mcp_47, ab_20 * c_13));
+    let mcp_53 = mul_add(mcp_40, mcp_31, mul_add(mcp_3, mcp_7, mcp_5 * mcp_10));
+    let mcp_54 = neg_mul_add(
+        ab_20,
+        mul_add(mcp_9, mcp_4, ab_4 * ab_11),
+        index_fdp_4 * mcp_53,
     );
-    matrix[5] = mcp_15 - mul_add(band_24, band_31, band_17 * band_26);
-    let mcp_16 = mul_add(ab_15, index_fdp_4 * ab_57, ab_9 * (index_fdp_4 * ab_55));
-    let mcp_17 = ab_41 * neg_mul_add(c_6, ab_56, mcp_13);
-    let mcp_18 = mcp_16 + mcp_17;
-    let mcp_19 = neg_mul_add(pip_7, ab_54, c_6 * pip_6);
-    let mcp_20 = neg_mul_add(
-        edc_14,
-        edc_22,
-        mul_sub(fdp_16, fdp_25, mul_add(L::splat(0.5), mcp_19, mcp_18)),
+    let mcp_55 = neg_mul_add(
+        ab_20,
+        mul_add(mcp_9, mcp_8, ab_9 * ab_11),
+        index_fdp_4 * mul_add(mcp_40, mcp_26, mcp_46),
     );
-    matrix[6] = mul_add(band_17, band_28, mcp_20);
-    let mcp_21 = mul_add(ab_15, index_fdp_4 * ab_60, ab_9 * (index_fdp_4 * ab_59));
-    let mcp_22 = ab_41 * (mcp_1 - mul_add(ab_12, ab_29, ab_4 * ab_6));
-    let mcp_23 = mcp_22 + mcp_21;
-    let mcp_24 = neg_mul_add(ab_29, dip_3, ab_6 * dip_4)
-        + neg_mul_add(ab_12, pip_1, ab_4 * dip_1);
-    matrix[7] = mul_add(
-        band_17,
-        band_29,
-        mul_sub(fdp_16, fdp_27, mul_add(L::splat(0.5), mcp_24, mcp_23)),
+    let mcp_56 = mcp_55 + mcp_54;
+    let mcp_57 = mcp_56 + mcp_52;
+    let mcp_58 = mul_add(mcp_39, mcp_27, mul_add(mcp_19, mcp_7, mcp_21 * mcp_10));
+    let mcp_59 = mul_add(ab_20, c_11, index_fdp_4 * mul_add(mcp_45, ab_13, mcp_58));
+    let fdp_25 = mul_add(
+        fdp_19,
+        mul_add(L::splat(0.011), index_fdp_2, fdp_21),
+        fdp_13 * fdp_22,
     );
-    matrix[8] = neg_mul_add(
-        band_10,
-        band_28,
-        mul_add(edc_9, edc_22, mul_add(L::splat(0.5), ab_58, fdp_26)),
+    let edc_20 = mul_add(
+        edc_15,
+        mul_add(L::splat(0.011), index_edc_2, edc_17),
+        edc_11 * edc_18,
     );
-    let pip_9 = neg_mul_add(
-        edc_14,
-        edc_22,
-        mul_add(fdp_16, fdp_25, mul_sub(L::splat(0.5), mcp_19, mcp_18)),
+    let interosseous_16 = mul_add(
+        interosseous_10,
+        interosseous_15,
+        interosseous_11 * mul_add(L::splat(0.001), index_interosseous_4, interosseous_13),
     );
-    matrix[9] = mul_add(band_17, band_28, pip_9);
-    let pip_10 = mul_sub(pip_5, c_48, mul_add(ab_9, ab_54, ab_15 * ab_56));
-    let pip_11 = mul_add(
-        pip_7,
-        index_fdp_4 * mul_add(pip_7, c_48, pip_2),
-        pip_5 * (index_fdp_4 * pip_10),
-    );
-    let pip_12 = pip_11 - mcp_16 - mul_add(c_6, ab_41 * (c_47 - ab_56), mcp_17);
-    let fdp_31 = mul_add(
-        fdp_22,
-        fdp_17 * neg_mul_add(fdp_18, fdp_18, fdp_10),
-        fdp_18 * fdp_25,
-    );
-    let edc_25 = mul_add(
-        edc_18,
-        edc_15 * neg_mul_add(edc_16, edc_16, edc_10),
-        edc_16 * edc_22,
-    );
-    let band_32 = mul_add(
+    let mcp_60 = mcp_57 + (mcp_56 - mcp_59) - fdp_25 - edc_20 - interosseous_16;
+    let band_27 = mul_add(
+        band_14,
         band_24,
-        band_18 * neg_mul_add(band_19, band_19, band_11),
-        band_19 * band_28,
+        band_20 * mul_add(L::splat(0.005), index_band_2, band_22),
     );
-    matrix[10] = pip_12 - fdp_31 - edc_25 - band_32;
-    let pip_13 = mul_sub(c_11, dip_2, mul_add(ab_9, ab_29, ab_15 * ab_6));
-    let pip_14 = index_fdp_4 * pip_13;
-    let pip_15 = index_fdp_4 * mul_add(c_11, dip_3, pip_1);
-    let pip_16 = ab_41 * mul_sub(c_11, ab_4, ab_6);
-    let pip_17 = mul_add(pip_7, pip_15, pip_5 * pip_14) - mcp_21
-        - mul_add(c_6, pip_16, mcp_22);
-    let pip_18 = mul_add(c_11, dip_4, dip_1);
-    let pip_19 = mul_sub(ab_12, c_11, ab_29);
-    let pip_20 = neg_mul_add(pip_7, pip_19, neg_mul_add(c_6, pip_18, mcp_24));
-    matrix[11] = neg_mul_add(
-        band_19,
-        band_29,
-        neg_mul_add(fdp_18, fdp_27, neg_mul_add(L::splat(0.5), pip_20, pip_17)),
+    matrix[5] = mcp_60 - band_27;
+    let mcp_61 = mul_add(
+        band_14,
+        band_25,
+        neg_mul_add(edc_11, edc_19, mul_add(fdp_13, fdp_23, mcp_57)),
     );
-    matrix[12] = neg_mul_add(band_10, band_29, mul_add(L::splat(0.5), ab_61, fdp_28));
-    matrix[13] = mul_add(
-        band_17,
-        band_29,
-        mul_add(fdp_16, fdp_27, mul_sub(L::splat(0.5), mcp_24, mcp_23)),
+    let mcp_62 = L::splat(0.5) * (v_mcp + mcp_2)
+        * neg_mul_add(ab_4, mcp_9, ab_11 * mcp_4);
+    let mcp_63 = mul_add(
+        L::splat(0.5) * (v_mcp + mcp_1),
+        neg_mul_add(ab_9, mcp_9, ab_11 * mcp_8),
+        mcp_62,
     );
-    matrix[14] = neg_mul_add(
-        band_19,
-        band_29,
-        neg_mul_add(fdp_18, fdp_27, mul_add(L::splat(0.5), pip_20, pip_17)),
+    matrix[6] = mcp_61 + mcp_63;
+    let mcp_64 = mul_add(band_14, band_26, mul_add(fdp_13, fdp_24, mcp_54 + mcp_51));
+    let mcp_65 = L::splat(0.5) * (mcp_1 + mcp_2)
+        * neg_mul_add(ab_4, mcp_6, ab_5 * mcp_4);
+    let mcp_66 = mcp_62 + mcp_65;
+    matrix[7] = mcp_66 + mcp_64;
+    matrix[8] = ab_33 - ab_30;
+    matrix[9] = mcp_61 - mcp_63;
+    let fdp_26 = fdp_14 * fdp_18;
+    let fdp_27 = mul_add(
+        fdp_26,
+        L::splat(0.5) * fdp_8,
+        fdp_15 * (fdp_15 * (index_fdp_5 - fdp_26)),
     );
-    let dip_7 = mul_add(
-        dip_4,
-        index_fdp_4 * pip_18,
-        mul_add(dip_2, pip_14, dip_3 * pip_15),
+    let edc_21 = edc_12 * edc_14;
+    let edc_22 = mul_add(
+        L::splat(0.5) * edc_8,
+        edc_21,
+        edc_13 * (edc_13 * (index_edc_4 - edc_21)),
     );
-    let dip_8 = mcp_22 + mul_add(ab_4, pip_16, ab_12 * (ab_41 * pip_19));
-    let fdp_32 = mul_add(
-        fdp_20,
-        fdp_27,
-        fdp_22 * (fdp_19 * neg_mul_add(fdp_20, fdp_20, fdp_12)),
+    let band_28 = band_15 * band_19;
+    let band_29 = mul_add(
+        band_16,
+        band_16 * (index_interosseous_6 - band_28),
+        band_28 * (L::splat(0.5) * band_9),
     );
-    let band_33 = mul_add(
-        band_21,
-        band_29,
-        band_24 * (band_20 * neg_mul_add(band_21, band_21, band_13)),
+    matrix[10] = mcp_52 - fdp_27 - edc_22 - band_29;
+    let pip_1 = neg_mul_add(band_16, band_26, neg_mul_add(fdp_15, fdp_24, mcp_51));
+    matrix[11] = mcp_65 + pip_1;
+    matrix[12] = ab_34 - ab_28;
+    matrix[13] = mcp_64 - mcp_66;
+    matrix[14] = pip_1 - mcp_65;
+    let fdp_28 = fdp_16 * fdp_18;
+    let fdp_29 = mul_add(
+        fdp_28,
+        L::splat(0.5) * fdp_10,
+        fdp_17 * (fdp_17 * (index_fdp_5 - fdp_28)),
     );
-    matrix[15] = dip_7 - mcp_21 - dip_8 - fdp_32 - band_33;
-=======
-    let index_band_9 = sqrt(index_band_8);
-    let index_band_10 = 1.0 / index_band_9;
-    let index_band_11 = index_band_10
-        * mul_add(index_band_2, index_band_5, index_band_4 * index_band_3);
-    let index_band_12 = mul_sub(
-        5.399999999999997e-5,
-        cos_index_pip,
-        7.200000000000004e-5 * sin_index_pip,
+    let band_30 = band_17 * band_19;
+    let band_31 = mul_add(
+        band_30,
+        L::splat(0.5) * band_11,
+        band_18 * (band_18 * (index_interosseous_6 - band_30)),
     );
-    let index_band_13 = sqrt(9.000000000000003e-5 - index_band_12);
-    let index_band_14 = mul_sub(
-        7.65e-5,
-        cos_index_dip,
-        5.1999999999999976e-5 * sin_index_dip,
-    );
-    let index_band_15 = sqrt(9.649999999999999e-5 - index_band_14);
-    let index_band_16 = k_intrinsic
-        * (0.09421199494172741 + index_band_9 + index_band_13 + index_band_15
-            - rest_index_band);
-    force[coordinate::INDEX_AB] = mul_sub(index_band_11, index_band_16, index_ab_19);
-    let index_mcp_23 = v_index_ab * index_ab_4;
-    let index_mcp_24 = v_index_ab * index_mcp_6;
-    let index_mcp_25 = neg_mul_add(
-        index_mcp_24,
-        index_mcp_23,
-        neg_mul_add(index_mcp_14, index_mcp_3, index_mcp_12 * index_mcp_5),
-    );
-    let index_mcp_26 = v_index_ab * index_mcp_8;
-    let index_mcp_27 = v_index_ab * index_ab_11;
-    let index_mcp_28 = neg_mul_add(
-        index_mcp_27,
-        index_mcp_26,
-        neg_mul_add(index_mcp_7, index_mcp_20, index_mcp_10 * index_mcp_18),
-    );
-    let index_mcp_29 = index_ab_2 * index_ab_7;
-    let index_mcp_30 = v_index_ab * v_index_ab;
-    let index_mcp_31 = v_index_ab * index_mcp_4;
-    let index_mcp_32 = v_index_ab * index_ab_5;
-    let index_mcp_33 = index_mcp_27 + index_mcp_32;
-    let index_mcp_34 = neg_mul_add(
-        index_mcp_33,
-        index_mcp_31,
-        neg_mul_add(index_mcp_13, index_mcp_5, index_mcp_15 * index_mcp_3),
-    );
-    let index_mcp_35 = index_ab_3 * index_ab_16;
-    let index_mcp_36 = neg_mul_add(index_mcp_35, index_mcp_30, index_mcp_34);
-    let index_mcp_37 = index_mcp_36
-        + neg_mul_add(index_mcp_29, index_mcp_30, index_mcp_25 + index_mcp_28);
-    let index_mcp_38 = v_index_ab * index_ab_9;
-    let index_mcp_39 = index_mcp_38 + index_mcp_23;
-    let index_mcp_40 = v_index_ab * index_mcp_9;
-    let index_mcp_41 = neg_mul_add(
-        index_mcp_40,
-        index_mcp_39,
-        neg_mul_add(index_mcp_10, index_mcp_19, index_mcp_7 * index_mcp_21),
-    );
-    let index_mcp_42 = cos_index_mcp * index_ab_12;
-    let index_fdp_16 = index_fdp_9
-        * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6);
-    let index_mcp_43 = mul_add(
-        index_fdp_16,
-        index_fdp_15,
-        index_mcp_37 + neg_mul_add(index_mcp_42, index_mcp_30, index_mcp_41),
-    );
-    let index_edc_14 = index_edc_9
-        * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6);
-    let index_interosseous_15 = index_interosseous_12
-        * mul_add(
-            index_interosseous_8,
-            index_interosseous_4,
-            index_interosseous_3 * index_interosseous_9,
-        );
-    let index_band_17 = index_band_10
-        * mul_add(index_band_6, index_band_3, index_band_1 * index_band_7);
-    force[coordinate::INDEX_MCP] = mul_add(
-        index_band_17,
-        index_band_16,
-        mul_add(
-            index_interosseous_15,
-            index_interosseous_14,
-            neg_mul_add(index_edc_14, index_edc_13, index_mcp_43),
-        ),
-    );
-    let index_fdp_17 = 1.0 / index_fdp_12;
-    let index_fdp_18 = index_fdp_17
-        * mul_add(3.1487999999999994e-5, sin_index_pip, 0.000172672 * cos_index_pip);
-    let index_edc_15 = 1.0 / index_edc_12;
-    let index_edc_16 = index_edc_15
-        * mul_add(
-            7.699999999999999e-5,
-            sin_index_pip,
-            3.6000000000000014e-5 * cos_index_pip,
-        );
-    let index_band_18 = 1.0 / index_band_13;
-    let index_band_19 = index_band_18
-        * mul_add(
-            2.6999999999999985e-5,
-            sin_index_pip,
-            3.600000000000002e-5 * cos_index_pip,
-        );
-    force[coordinate::INDEX_PIP] = neg_mul_add(
-        index_band_19,
-        index_band_16,
-        neg_mul_add(
-            index_edc_16,
-            index_edc_13,
-            mul_add(index_fdp_18, index_fdp_15, index_mcp_37),
-        ),
-    );
-    let index_fdp_19 = 1.0 / index_fdp_14;
-    let index_fdp_20 = index_fdp_19
-        * mul_sub(7.315840000000005e-6, sin_index_dip, 7.6342e-5 * cos_index_dip);
-    let index_band_20 = 1.0 / index_band_15;
-    let index_band_21 = index_band_20
-        * mul_add(3.825e-5, sin_index_dip, 2.5999999999999988e-5 * cos_index_dip);
-    force[coordinate::INDEX_DIP] = neg_mul_add(
-        index_band_21,
-        index_band_16,
-        neg_mul_add(index_fdp_20, index_fdp_15, index_mcp_36),
-    );
-    let index_fdp_21 = 0.25 * h;
-    let index_fdp_22 = index_fdp_21 * index_fdp_15;
-    let index_fdp_23 = index_fdp_9 * index_fdp_22;
-    let index_fdp_24 = k_flexor * index_fdp_21;
-    let index_fdp_25 = index_fdp_24 - index_fdp_23;
-    let index_fdp_26 = index_fdp_2 * index_fdp_1;
-    let index_ab_20 = 1.0 / h;
-    let index_ab_21 = mul_add(
-        index_ab_20,
-        index_ab_18,
-        mul_sub(index_fdp_10, index_fdp_10 * index_fdp_25, index_fdp_26 * index_fdp_23),
-    );
-    let index_edc_17 = index_fdp_21 * index_edc_13;
-    let index_edc_18 = index_edc_9 * index_edc_17;
-    let index_edc_19 = k_extensor * index_fdp_21;
-    let index_edc_20 = index_edc_19 - index_edc_18;
-    let index_edc_21 = index_edc_2 * index_edc_1;
-    let index_ab_22 = mul_sub(
-        index_edc_10,
-        index_edc_10 * index_edc_20,
-        index_edc_21 * index_edc_18,
-    ) + index_ab_21;
-    let index_interosseous_16 = index_interosseous_12
-        * (index_fdp_21 * index_interosseous_14);
-    let index_interosseous_17 = k_intrinsic * index_fdp_21;
-    let index_interosseous_18 = index_interosseous_17 - index_interosseous_16;
-    let index_interosseous_19 = index_interosseous_1 * index_interosseous_3;
-    let index_interosseous_20 = mul_add(
-        index_interosseous_13,
-        index_interosseous_13 * index_interosseous_18,
-        mul_add(0.01, index_interosseous_5, index_interosseous_19)
-            * index_interosseous_16,
-    );
-    let index_band_22 = index_fdp_21 * index_band_16;
-    let index_band_23 = index_band_10 * index_band_22;
-    let index_band_24 = index_interosseous_17 - index_band_23;
-    let index_band_25 = index_band_2 * index_band_1;
-    let index_band_26 = mul_sub(
-        index_band_11,
-        index_band_11 * index_band_24,
-        mul_add(0.009, index_band_4, index_band_25) * index_band_23,
-    );
-    matrix[0] = -(index_band_26 + (index_interosseous_20 + index_ab_22));
-    let index_fdp_27 = index_fdp_16 * index_fdp_25;
-    let index_edc_22 = index_edc_14 * index_edc_20;
-    let index_ab_23 = neg_mul_add(
-        index_fdp_10,
-        index_fdp_27,
-        index_fdp_4 * index_fdp_5 * index_fdp_23,
-    ) + mul_sub(index_edc_10, index_edc_22, index_edc_4 * index_edc_5 * index_edc_18);
-    let index_interosseous_21 = index_interosseous_15 * index_interosseous_18;
-    let index_ab_24 = neg_mul_add(
-        index_interosseous_13,
-        index_interosseous_21,
-        index_interosseous_5 * index_interosseous_8 * index_interosseous_16,
-    ) + index_ab_23;
-    let index_band_27 = index_band_17 * index_band_24;
-    let index_ab_25 = mul_add(
-        index_band_11,
-        index_band_27,
-        index_band_4 * index_band_6 * index_band_23,
-    ) + index_ab_24;
-    let index_ab_26 = 2.0 * v_index_ab;
-    let index_ab_27 = mul_add(
-        index_mcp_35,
-        index_ab_26,
-        mul_add(index_ab_11 + index_ab_5, index_mcp_31, index_mcp_33 * index_mcp_4),
-    );
-    let index_ab_28 = 0.5 * index_ab_27;
-    let index_ab_29 = mul_add(
-        index_mcp_6,
-        index_mcp_23,
-        mul_add(index_mcp_24, index_ab_4, index_ab_11 * index_mcp_26),
-    );
-    let index_ab_30 = mul_add(
-        0.5,
-        mul_add(
-            index_mcp_29,
-            index_ab_26,
-            mul_add(index_mcp_27, index_mcp_8, index_ab_29),
-        ),
-        index_ab_28,
-    );
-    let index_ab_31 = mul_add(
-        index_mcp_42,
-        index_ab_26,
-        mul_add(index_mcp_40, index_ab_10, index_mcp_9 * index_mcp_39),
-    );
-    let index_ab_32 = mul_add(0.5, index_ab_31, index_ab_30);
-    matrix[1] = index_ab_32 - index_ab_25;
-    let index_edc_23 = index_edc_16 * index_edc_19;
-    let index_fdp_28 = index_fdp_18 * index_fdp_24;
-    let index_band_28 = index_interosseous_17 * index_band_19;
-    let index_ab_33 = mul_add(
-        index_band_11,
-        index_band_28,
-        mul_sub(index_fdp_10, index_fdp_28, index_edc_10 * index_edc_23),
-    );
-    matrix[2] = index_ab_30 + index_ab_33;
-    let index_band_29 = index_interosseous_17 * index_band_21;
-    let index_fdp_29 = index_fdp_20 * index_fdp_24;
-    let index_ab_34 = neg_mul_add(
-        index_fdp_10,
-        index_fdp_29,
-        index_band_11 * index_band_29,
-    );
-    matrix[3] = index_ab_28 + index_ab_34;
-    matrix[4] = -(index_ab_32 + index_ab_25);
-    let index_mcp_44 = mul_add(index_mcp_12, index_mcp_3, index_mcp_14 * index_mcp_5);
-    let index_mcp_45 = 2.0 * index_mcp_30;
-    let index_mcp_46 = mul_add(index_mcp_10, index_mcp_20, index_mcp_7 * index_mcp_18);
-    let index_mcp_47 = mul_add(
-        index_ab_8,
-        index_mcp_45,
-        mul_add(index_mcp_32, index_mcp_23, index_mcp_44),
-    ) + mul_add(index_mcp_27, index_mcp_38, index_mcp_46);
-    let index_mcp_48 = mul_sub(
-        index_fdp_21,
-        mul_add(index_mcp_24, index_mcp_31, index_mcp_44),
-        index_ab_20 * mul_add(index_mcp_6, index_mcp_4, index_ab_6),
-    );
-    let index_mcp_49 = mul_add(
-        index_mcp_33,
-        index_mcp_23,
-        mul_add(index_mcp_13, index_mcp_3, index_mcp_15 * index_mcp_5),
-    );
-    let index_mcp_50 = mul_add(
-        index_fdp_21,
-        mul_add(index_ab_17, index_mcp_45, index_mcp_49),
-        2.5540671987294797e-7 * index_ab_20,
-    );
-    let index_mcp_51 = index_mcp_48 - index_mcp_50;
-    let index_mcp_52 = index_mcp_48
-        - mul_add(index_fdp_21, index_mcp_47, 2.2502977721519766e-6 * index_ab_20)
-        + index_mcp_51;
-    let index_mcp_53 = mul_add(
-        index_mcp_40,
-        index_mcp_31,
-        mul_add(index_mcp_10, index_mcp_5, index_mcp_7 * index_mcp_3),
-    );
-    let index_mcp_54 = mul_sub(
-        index_fdp_21,
-        index_mcp_53,
-        index_ab_20 * mul_add(index_mcp_9, index_mcp_4, index_ab_11 * index_ab_4),
-    );
-    let index_mcp_55 = mul_sub(
-        index_fdp_21,
-        mul_add(index_mcp_40, index_mcp_26, index_mcp_46),
-        index_ab_20 * mul_add(index_mcp_9, index_mcp_8, index_ab_11 * index_ab_9),
-    );
-    let index_mcp_56 = index_mcp_55 + index_mcp_54;
-    let index_mcp_57 = index_mcp_56 + index_mcp_52;
-    let index_mcp_58 = mul_add(
-        index_mcp_27,
-        index_mcp_39,
-        mul_add(index_mcp_7, index_mcp_19, index_mcp_10 * index_mcp_21),
-    );
-    let index_mcp_59 = mul_add(
-        index_fdp_21,
-        mul_add(index_ab_13, index_mcp_45, index_mcp_58),
-        1.8193617546820962e-5 * index_ab_20,
-    );
-    let index_fdp_30 = mul_add(
-        index_fdp_16,
-        index_fdp_27,
-        mul_sub(0.011, index_fdp_5, index_fdp_26) * index_fdp_23,
-    );
-    let index_edc_24 = mul_add(
-        index_edc_14,
-        index_edc_22,
-        mul_sub(0.011, index_edc_5, index_edc_21) * index_edc_18,
-    );
-    let index_interosseous_22 = mul_add(
-        index_interosseous_15,
-        index_interosseous_21,
-        mul_add(0.001, index_interosseous_8, index_interosseous_19)
-            * index_interosseous_16,
-    );
-    let index_mcp_60 = index_mcp_56 - index_mcp_59 + index_mcp_57 - index_fdp_30
-        - index_edc_24 - index_interosseous_22;
-    let index_band_30 = mul_add(
-        index_band_17,
-        index_band_27,
-        mul_sub(0.005, index_band_6, index_band_25) * index_band_23,
-    );
-    matrix[5] = index_mcp_60 - index_band_30;
-    let index_mcp_61 = mul_add(
-        index_band_17,
-        index_band_28,
-        neg_mul_add(
-            index_edc_14,
-            index_edc_23,
-            neg_mul_add(index_fdp_16, index_fdp_28, index_mcp_57),
-        ),
-    );
-    let index_mcp_62 = neg_mul_add(index_mcp_9, index_ab_4, index_ab_11 * index_mcp_4)
-        * (0.5 * (v_index_mcp + index_mcp_2));
-    let index_mcp_63 = mul_add(
-        neg_mul_add(index_mcp_9, index_ab_9, index_ab_11 * index_mcp_8),
-        0.5 * (v_index_mcp + index_mcp_1),
-        index_mcp_62,
-    );
-    matrix[6] = index_mcp_63 + index_mcp_61;
-    let index_mcp_64 = mul_add(
-        index_band_17,
-        index_band_29,
-        mul_add(index_fdp_16, index_fdp_29, index_mcp_54 + index_mcp_51),
-    );
-    let index_mcp_65 = neg_mul_add(index_mcp_6, index_ab_4, index_ab_5 * index_mcp_4)
-        * (0.5 * (index_mcp_1 + index_mcp_2));
-    let index_mcp_66 = index_mcp_62 + index_mcp_65;
-    matrix[7] = index_mcp_66 + index_mcp_64;
-    matrix[8] = index_ab_33 - index_ab_30;
-    matrix[9] = index_mcp_61 - index_mcp_63;
-    let index_fdp_31 = index_fdp_17 * index_fdp_22;
-    let index_fdp_32 = mul_add(
-        index_fdp_18,
-        index_fdp_18 * (index_fdp_24 - index_fdp_31),
-        0.5 * index_fdp_11 * index_fdp_31,
-    );
-    let index_edc_25 = index_edc_15 * index_edc_17;
-    let index_edc_26 = mul_add(
-        index_edc_16,
-        index_edc_16 * (index_edc_19 - index_edc_25),
-        0.5 * index_edc_11 * index_edc_25,
-    );
-    let index_band_31 = index_band_18 * index_band_22;
-    let index_band_32 = mul_add(
-        index_band_19,
-        index_band_19 * (index_interosseous_17 - index_band_31),
-        0.5 * index_band_12 * index_band_31,
-    );
-    matrix[10] = index_mcp_52 - index_fdp_32 - index_edc_26 - index_band_32;
-    let index_pip_1 = neg_mul_add(
-        index_band_19,
-        index_band_29,
-        mul_add(index_fdp_18, index_fdp_29, index_mcp_51),
-    );
-    matrix[11] = index_mcp_65 + index_pip_1;
-    matrix[12] = index_ab_34 - index_ab_28;
-    matrix[13] = index_mcp_64 - index_mcp_66;
-    matrix[14] = index_pip_1 - index_mcp_65;
-    let index_fdp_33 = index_fdp_19 * index_fdp_22;
-    let index_fdp_34 = mul_add(
-        index_fdp_20,
-        index_fdp_20 * (index_fdp_24 - index_fdp_33),
-        0.5 * index_fdp_13 * index_fdp_33,
-    );
-    let index_band_33 = index_band_20 * index_band_22;
-    let index_band_34 = mul_add(
-        index_band_21,
-        index_band_21 * (index_interosseous_17 - index_band_33),
-        0.5 * index_band_14 * index_band_33,
-    );
-    matrix[15] = -(index_band_34 + (index_fdp_34 + index_mcp_50));
->>>>>>> work-a
+    matrix[15] = -(band_31 + (mcp_50 + fdp_29));
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -1733,11 +744,10 @@ pub fn evaluate_with_matrix(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-<<<<<<< HEAD
-/// 107 operations: 19 sums, 29 products, 28 products with sum, 3 sines and cosines.
+/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16]) {
-    let constants = &constants[..48 * L::WIDTH];
+    let constants = &constants[..14 * L::WIDTH];
     let q_mcp = q[1];
     let q_pip = q[2];
     let q_dip = q[3];
@@ -1755,57 +765,41 @@ pub fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16])
     let c_11 = L::load(&constants[11 * L::WIDTH..]);
     let c_12 = L::load(&constants[12 * L::WIDTH..]);
     let c_13 = L::load(&constants[13 * L::WIDTH..]);
-    let c_14 = L::load(&constants[14 * L::WIDTH..]);
-    let c_47 = L::load(&constants[47 * L::WIDTH..]);
-    let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let ab_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
-    let ab_2 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
-    let ab_3 = mul_add(ab_2, ab_2 * c_8, ab_1 * (ab_1 * c_7));
-    let ab_4 = mul_add(cos_pip, c_9, c_6);
-    let ab_5 = mul_add(ab_2, c_10, ab_4);
-    let ab_6 = c_11 * ab_5;
-    let ab_7 = ab_5 * ab_6;
-    let ab_8 = mul_add(cos_pip, c_1, c_6);
-    let ab_9 = c_2 * ab_8;
-    let ab_10 = ab_8 * ab_9;
-    let ab_11 = mul_add(cos_pip, cos_pip * c_5, sin_pip * (sin_pip * c_4));
-    let ab_12 = c_12 + ab_7 + ab_3 + (c_3 + ab_10 + ab_11);
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let ab_13 = ab_2 * c_7;
-    let ab_14 = ab_1 * c_8;
-    let ab_15 = sin_pip * c_9;
-    let ab_16 = mul_add(ab_1, c_10, ab_15);
-    let ab_17 = mul_add(ab_16, ab_6, neg_mul_add(ab_1, ab_13, ab_2 * ab_14));
-    let ab_18 = cos_pip * c_4;
-    let ab_19 = sin_pip * c_5;
-    let ab_20 = sin_pip * c_1;
-    let ab_21 = mul_add(ab_20, ab_9, neg_mul_add(sin_pip, ab_18, cos_pip * ab_19));
-    let ab_22 = ab_21 + ab_17;
-    let ab_23 = cos_mcp * neg_mul_add(sin_mcp, ab_22, cos_mcp * (c_13 + ab_12));
-    let ab_24 = ab_16 * c_11;
-    let ab_25 = mul_add(ab_2, ab_13, ab_1 * ab_14) + mul_add(ab_16, ab_24, c_12);
-    let ab_26 = ab_20 * c_2;
-    let ab_27 = mul_add(ab_20, ab_26, c_3) + mul_add(cos_pip, ab_18, sin_pip * ab_19);
-    let ab_28 = neg_mul_add(sin_mcp, c_0 + (ab_27 + ab_25), cos_mcp * ab_22);
-    matrix[0] = neg_mul_add(sin_mcp, ab_28, ab_23);
-    let mcp_1 = c_12 + mul_add(ab_16, ab_24, ab_7);
-    let mcp_2 = c_3 + mul_add(ab_20, ab_26, ab_10) + mcp_1;
-    matrix[5] = c_14 + mcp_2;
-    let mcp_3 = ab_9 + ab_6;
-    let mcp_4 = neg_mul_add(c_6, mcp_3, mcp_2);
-    matrix[6] = mcp_4;
-    let mcp_5 = mcp_1 - mul_add(ab_15, ab_24, ab_4 * ab_6);
-    matrix[7] = mcp_5;
-    matrix[9] = mcp_4;
-    matrix[10] = mul_add(c_6, c_47 - mcp_3, mcp_4);
-    let pip_1 = mul_sub(c_11, ab_4, ab_6);
-    let pip_2 = mul_add(c_6, pip_1, mcp_5);
-    matrix[11] = pip_2;
-    matrix[13] = mcp_5;
-    matrix[14] = pip_2;
-    let dip_1 = mul_add(ab_4, pip_1, ab_15 * mul_sub(ab_15, c_11, ab_24));
-    matrix[15] = mcp_5 + dip_1;
+    let ab_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let ab_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
+    let ab_3 = mul_sub(cos_dip, ab_2, sin_dip * ab_1) * c_2;
+    let ab_4 = ab_3 * (ab_2 * c_3);
+    let ab_5 = mul_add(L::splat(2.0), ab_4, neg_mul_add(ab_1, ab_1 * c_0, c_1));
+    let ab_6 = ab_2 * c_4;
+    let ab_7 = cos_mcp * c_5;
+    let ab_8 = mul_add(
+        L::splat(2.0),
+        (ab_3 + ab_6) * ab_7,
+        neg_mul_add(sin_mcp, sin_mcp * c_6, c_7),
+    );
+    let ab_9 = mul_add(cos_dip, ab_1, sin_dip * ab_2);
+    matrix[0] = ab_5 + (ab_8 + c_8) + neg_mul_add(ab_9, ab_9 * c_9, c_10);
+    let mcp_1 = ab_9 * c_2;
+    let mcp_2 = mul_add(mcp_1, ab_1 * c_3, ab_4);
+    let mcp_3 = c_12 + mcp_2;
+    let mcp_4 = mcp_3 + (c_13 + mcp_2);
+    let mcp_5 = sin_mcp * c_5;
+    let mcp_6 = mul_add(mcp_5, mcp_1, ab_3 * ab_7);
+    let mcp_7 = mul_add(mcp_5, ab_1 * c_4, ab_6 * ab_7) + mcp_6;
+    let mcp_8 = mcp_7 + mcp_4;
+    matrix[5] = c_11 + mcp_7 + mcp_8;
+    matrix[6] = mcp_8;
+    let mcp_9 = mcp_6 + mcp_3;
+    matrix[7] = mcp_9;
+    matrix[9] = mcp_8;
+    matrix[10] = mcp_4;
+    matrix[11] = mcp_3;
+    matrix[13] = mcp_9;
+    matrix[14] = mcp_3;
+    matrix[15] = c_12;
 }
 
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
@@ -1816,14 +810,15 @@ pub fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16])
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-/// 123 operations: 19 sums, 23 products, 34 products with sum, 9 roots, 4 sines and cosines.
+/// 118 operations: 24 sums, 23 products, 29 products with sum, 9 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
-    let constants = &constants[..46 * L::WIDTH];
+    let constants = &constants[..45 * L::WIDTH];
     let q_ab = q[0];
     let q_mcp = q[1];
     let q_pip = q[2];
     let q_dip = q[3];
+    let c_14 = L::load(&constants[14 * L::WIDTH..]);
     let c_15 = L::load(&constants[15 * L::WIDTH..]);
     let c_16 = L::load(&constants[16 * L::WIDTH..]);
     let c_17 = L::load(&constants[17 * L::WIDTH..]);
@@ -1833,7 +828,7 @@ pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
     let c_21 = L::load(&constants[21 * L::WIDTH..]);
     let c_22 = L::load(&constants[22 * L::WIDTH..]);
     let c_23 = L::load(&constants[23 * L::WIDTH..]);
-    let c_24 = L::load(&constants[24 * L::WIDTH..]);
+    let c_25 = L::load(&constants[25 * L::WIDTH..]);
     let c_26 = L::load(&constants[26 * L::WIDTH..]);
     let c_27 = L::load(&constants[27 * L::WIDTH..]);
     let c_28 = L::load(&constants[28 * L::WIDTH..]);
@@ -1843,41 +838,40 @@ pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
     let c_32 = L::load(&constants[32 * L::WIDTH..]);
     let c_33 = L::load(&constants[33 * L::WIDTH..]);
     let c_34 = L::load(&constants[34 * L::WIDTH..]);
-    let c_35 = L::load(&constants[35 * L::WIDTH..]);
     let c_36 = L::load(&constants[36 * L::WIDTH..]);
     let c_37 = L::load(&constants[37 * L::WIDTH..]);
     let c_38 = L::load(&constants[38 * L::WIDTH..]);
+    let c_39 = L::load(&constants[39 * L::WIDTH..]);
     let c_40 = L::load(&constants[40 * L::WIDTH..]);
     let c_41 = L::load(&constants[41 * L::WIDTH..]);
     let c_42 = L::load(&constants[42 * L::WIDTH..]);
     let c_43 = L::load(&constants[43 * L::WIDTH..]);
     let c_44 = L::load(&constants[44 * L::WIDTH..]);
-    let c_45 = L::load(&constants[45 * L::WIDTH..]);
     let (sin_ab, cos_ab) = sin_cos(q_ab);
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
     let fdp_1 = mul_sub(L::splat(0.012), cos_mcp, L::splat(0.01) * sin_mcp)
-        - mul_add(sin_ab, c_37, cos_ab * c_36);
-    let fdp_2 = neg_mul_add(sin_ab, c_36, cos_ab * c_37);
+        - mul_add(sin_ab, c_43, cos_ab * c_42);
+    let fdp_2 = neg_mul_add(sin_ab, c_42, cos_ab * c_43);
     let index_fdp_1 = L::splat(0.011)
         - mul_add(L::splat(0.01), cos_mcp, L::splat(0.012) * sin_mcp);
     let fdp_3 = mul_add(index_fdp_1, index_fdp_1, mul_add(fdp_2, fdp_2, fdp_1 * fdp_1));
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let fdp_4 = neg_mul_add(L::splat(2.0), mul_add(sin_pip, c_33, cos_pip * c_34), c_35);
+    let fdp_4 = sqrt(c_41 - mul_add(sin_pip, c_39, cos_pip * c_40));
     let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let fdp_5 = neg_mul_add(L::splat(2.0), mul_add(cos_dip, c_30, sin_dip * c_31), c_32);
-    lengths[0] = sqrt(fdp_5) + (sqrt(fdp_4) + (sqrt(fdp_3) + c_38));
+    let fdp_5 = sqrt(c_38 - mul_add(cos_dip, c_36, sin_dip * c_37));
+    lengths[0] = fdp_5 + (fdp_4 + (sqrt(fdp_3) + c_44));
     let edc_1 = mul_add(L::splat(0.003), cos_mcp, L::splat(0.0105) * sin_mcp)
-        - mul_add(sin_ab, c_40, cos_ab * c_41);
-    let edc_2 = neg_mul_add(sin_ab, c_41, cos_ab * c_40);
+        - mul_add(sin_ab, c_32, cos_ab * c_33);
+    let edc_2 = neg_mul_add(sin_ab, c_33, cos_ab * c_32);
     let index_edc_1 = L::splat(-0.011)
         + mul_sub(L::splat(0.0105), cos_mcp, L::splat(0.003) * sin_mcp);
     let edc_3 = mul_add(index_edc_1, index_edc_1, mul_add(edc_1, edc_1, edc_2 * edc_2));
-    let edc_4 = neg_mul_add(L::splat(2.0), mul_add(sin_pip, c_42, cos_pip * c_43), c_44);
-    lengths[1] = sqrt(edc_4) + (sqrt(edc_3) + c_45);
+    let edc_4 = sqrt(c_31 - mul_add(sin_pip, c_29, cos_pip * c_30));
+    lengths[1] = edc_4 + (sqrt(edc_3) + c_34);
     let index_interosseous_1 = L::splat(0.008) * cos_mcp;
     let interosseous_1 = neg_mul_add(L::splat(0.001), sin_mcp, index_interosseous_1)
-        - mul_add(sin_ab, c_26, cos_ab * c_27);
-    let interosseous_2 = c_28 - neg_mul_add(sin_ab, c_27, cos_ab * c_26);
+        - mul_add(sin_ab, c_25, cos_ab * c_26);
+    let interosseous_2 = c_27 - neg_mul_add(sin_ab, c_26, cos_ab * c_25);
     let index_interosseous_2 = L::splat(0.008) * sin_mcp;
     let index_interosseous_3 = L::splat(0.001)
         - mul_add(L::splat(0.001), cos_mcp, index_interosseous_2);
@@ -1886,10 +880,10 @@ pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
         index_interosseous_3,
         mul_add(interosseous_1, interosseous_1, interosseous_2 * interosseous_2),
     );
-    lengths[2] = sqrt(interosseous_3) + c_29;
+    lengths[2] = sqrt(interosseous_3) + c_28;
     let band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1)
-        - mul_add(sin_ab, c_15, cos_ab * c_16);
-    let band_2 = c_17 - neg_mul_add(sin_ab, c_16, cos_ab * c_15);
+        - mul_add(sin_ab, c_14, cos_ab * c_15);
+    let band_2 = c_16 - neg_mul_add(sin_ab, c_15, cos_ab * c_14);
     let index_band_1 = L::splat(0.005)
         - mul_add(L::splat(0.005), cos_mcp, index_interosseous_2);
     let band_3 = mul_add(
@@ -1897,17 +891,9 @@ pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
         index_band_1,
         mul_add(band_1, band_1, band_2 * band_2),
     );
-    let band_4 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(sin_pip, c_21, cos_pip * c_22),
-        c_23,
-    );
-    let band_5 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(cos_dip, c_18, sin_dip * c_19),
-        c_20,
-    );
-    lengths[3] = sqrt(band_5) + (sqrt(band_4) + (sqrt(band_3) + c_24));
+    let band_4 = sqrt(c_23 - mul_add(sin_pip, c_21, cos_pip * c_22));
+    let band_5 = sqrt(c_19 - mul_add(cos_dip, c_17, sin_dip * c_18));
+    lengths[3] = band_5 + (sqrt(band_3) + c_20 + band_4);
 }
 
 /// Where the numbers of each block stand.
@@ -1939,211 +925,239 @@ pub static PLACES: [Place<4, 4, 0>; 4] = [
 ];
 
 /// Constants of each block.
-pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 49]; 4] {
+pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 56]; 4] {
     [
         [
-            4.5119644797043537e-7,
-            0.0112,
-            0.0049541659510049605,
-            2.8641684751410007e-7,
-            -1.2788353708194133e-7,
-            0.0,
-            0.039799999999999995,
-            -2.2883956953594213e-8,
-            0.0,
+            2.0917644617198177e-6,
+            1.0458822308599088e-6,
+            2.113600077163611e-5,
             0.0224,
-            0.0079,
-            0.0026754431356501404,
-            8.843231377702265e-8,
-            6.108011569195822e-6,
-            6.108011569195822e-6,
+            0.0001154165848898187,
+            0.039799999999999995,
+            1.7742421098850526e-5,
+            8.871210549425263e-6,
+            1.0687300077035954e-5,
+            1.8985836304951953e-7,
+            9.492918152475976e-8,
+            1.8193617546820962e-5,
+            2.5540671987294797e-7,
+            2.2502977721519766e-6,
             -0.010000000000000002,
             -0.007999999999999997,
             -0.009,
-            3.825e-5,
-            -2.5999999999999988e-5,
+            7.65e-5,
+            -5.1999999999999976e-5,
             9.649999999999999e-5,
-            -3.600000000000002e-5,
-            2.6999999999999985e-5,
-            9.000000000000003e-5,
             0.09421199494172741,
+            -7.200000000000004e-5,
+            5.399999999999997e-5,
+            9.000000000000003e-5,
             params[parameter::K_INTRINSIC],
             0.010999999999999996,
             -0.008000000000000004,
             0.01,
             0.045210728815182795,
-            7.315840000000005e-6,
-            7.6342e-5,
+            -7.200000000000003e-5,
+            0.00015399999999999998,
+            0.00016999999999999999,
+            -2.439454888092385e-19,
+            -0.002999999999999997,
+            0.14993665655140606,
+            params[parameter::K_EXTENSOR],
+            1.463168000000001e-5,
+            0.000152684,
             0.00015491888400000003,
-            0.000172672,
-            -3.1487999999999994e-5,
+            0.000345344,
+            -6.297599999999999e-5,
             0.000354510464,
             -0.012,
             -1.0842021724855044e-19,
             0.12972844537042483,
             params[parameter::K_FLEXOR],
-            -2.439454888092385e-19,
-            -0.002999999999999997,
+            -3.600000000000002e-5,
+            2.6999999999999985e-5,
             -3.6000000000000014e-5,
             7.699999999999999e-5,
-            0.00016999999999999999,
-            0.14993665655140606,
-            params[parameter::K_EXTENSOR],
-            0.00030365844164887296,
-            0.0076296090866551005,
+            0.000172672,
+            -3.1487999999999994e-5,
+            -2.5999999999999988e-5,
+            3.825e-5,
+            7.6342e-5,
+            7.315840000000005e-6,
         ],
         [
-            5.056120999869704e-7,
-            0.01315,
-            0.005816721629974574,
-            4.283482280993526e-7,
-            -2.422131359401662e-7,
-            0.0,
-            0.0446,
-            -3.8243935637522495e-8,
-            0.0,
+            3.2860326736109956e-6,
+            1.6430163368054978e-6,
+            2.5633454549032793e-5,
             0.0263,
-            0.0087,
-            0.0029463740860957233,
-            1.1043010074686771e-7,
-            8.530529217154657e-6,
-            8.530529217154657e-6,
+            0.00015397952789848317,
+            0.0446,
+            2.5456116591746076e-5,
+            1.2728058295873038e-5,
+            1.5265635485041092e-5,
+            2.612549902141078e-7,
+            1.306274951070539e-7,
+            2.5961728691733047e-5,
+            3.33441155323453e-7,
+            3.472167765770182e-6,
             -0.01,
             -0.007999999999999993,
             -0.009,
-            3.825e-5,
-            -2.5999999999999988e-5,
+            7.65e-5,
+            -5.1999999999999976e-5,
             9.649999999999999e-5,
-            -3.600000000000002e-5,
-            2.6999999999999985e-5,
-            9.000000000000003e-5,
             0.09905932921879514,
+            -7.200000000000004e-5,
+            5.399999999999997e-5,
+            9.000000000000003e-5,
             params[parameter::K_INTRINSIC],
             0.011,
             -0.007999999999999993,
             0.01,
             0.041720019175451005,
-            -2.8467600000000052e-6,
-            8.681400000000001e-5,
+            -7.200000000000003e-5,
+            0.00015399999999999998,
+            0.00016999999999999999,
+            0.0,
+            -0.0030000000000000027,
+            0.15123287910466324,
+            params[parameter::K_EXTENSOR],
+            -5.6935200000000105e-6,
+            0.00017362800000000003,
             0.00017631659600000004,
-            0.00018741399999999995,
-            -4.9505999999999956e-5,
+            0.0003748279999999999,
+            -9.901199999999991e-5,
             0.00038801411599999986,
             -0.011999999999999997,
             0.0,
             0.13218112782147726,
             params[parameter::K_FLEXOR],
-            0.0,
-            -0.0030000000000000027,
+            -3.600000000000002e-5,
+            2.6999999999999985e-5,
             -3.6000000000000014e-5,
             7.699999999999999e-5,
-            0.00016999999999999999,
-            0.15123287910466324,
-            params[parameter::K_EXTENSOR],
-            0.00039083406893673523,
-            0.008763095716070297,
+            0.00018741399999999995,
+            -4.9505999999999956e-5,
+            -2.5999999999999988e-5,
+            3.825e-5,
+            8.681400000000001e-5,
+            -2.8467600000000052e-6,
         ],
         [
-            4.693349986426139e-7,
-            0.01285,
-            0.005684020756286941,
-            4.037975712105879e-7,
-            -2.2190890700940578e-7,
-            0.0,
-            0.0414,
-            -3.717704624323398e-8,
-            0.0,
+            3.095335045498523e-6,
+            1.5476675227492616e-6,
+            2.5339663799643364e-5,
             0.0257,
-            0.00865,
-            0.0029294409016928746,
-            1.089483483347094e-7,
-            6.855419880173114e-6,
-            6.855419880173114e-6,
+            0.00014832629789179408,
+            0.0414,
+            2.1149213624841585e-5,
+            1.0574606812420793e-5,
+            1.29734518691604e-5,
+            2.5636513811014907e-7,
+            1.2818256905507453e-7,
+            2.16185486234842e-5,
+            3.2813644020162447e-7,
+            3.277223709699705e-6,
             0.010000000000000002,
             -0.007999999999999998,
             0.009,
-            3.8249999999999995e-5,
-            -2.600000000000001e-5,
+            7.649999999999999e-5,
+            -5.200000000000002e-5,
             9.65e-5,
-            -3.600000000000002e-5,
-            2.6999999999999985e-5,
-            9.000000000000003e-5,
             0.08891202891001955,
+            -7.200000000000004e-5,
+            5.399999999999997e-5,
+            9.000000000000003e-5,
             params[parameter::K_INTRINSIC],
             -0.011000000000000001,
             -0.008,
             -0.01,
             0.03514256678161116,
-            -1.571779999999996e-6,
-            8.5561e-5,
+            -7.200000000000003e-5,
+            0.00015399999999999998,
+            0.00016999999999999999,
+            -2.981555974335137e-19,
+            -0.003000000000000002,
+            0.14143565528020308,
+            params[parameter::K_EXTENSOR],
+            -3.143559999999992e-6,
+            0.000171122,
             0.00017344544100000002,
-            0.000185146,
-            -4.673399999999999e-5,
+            0.000370292,
+            -9.346799999999998e-5,
             0.00038251043599999996,
             -0.012000000000000007,
             -1.1926223897340549e-18,
             0.1222069424434041,
             params[parameter::K_FLEXOR],
-            -2.981555974335137e-19,
-            -0.003000000000000002,
+            -3.600000000000002e-5,
+            2.6999999999999985e-5,
             -3.6000000000000014e-5,
             7.699999999999999e-5,
-            0.00016999999999999999,
-            0.14143565528020308,
-            params[parameter::K_EXTENSOR],
-            0.0003565973126403644,
-            0.008613461657979816,
+            0.000185146,
+            -4.673399999999999e-5,
+            -2.600000000000001e-5,
+            3.8249999999999995e-5,
+            8.5561e-5,
+            -1.571779999999996e-6,
         ],
         [
-            3.7070662936264426e-7,
-            0.00905,
-            0.004003143022910258,
-            1.7333942884453325e-7,
-            -4.523885211140502e-8,
-            0.0,
-            0.0327,
-            -2.4609561332140534e-8,
-            0.0,
+            1.2607031603000897e-6,
+            6.303515801500448e-7,
+            2.1674476035646702e-5,
             0.0181,
-            0.008,
-            0.002709309504455838,
-            9.098764419130856e-8,
-            3.4478462505758233e-6,
-            3.4478462505758233e-6,
+            8.52669463879885e-5,
+            0.0327,
+            1.0254697984200472e-5,
+            5.127348992100236e-6,
+            6.421888546013878e-6,
+            1.980053696173141e-7,
+            9.900268480865706e-8,
+            1.0625404613563116e-5,
+            2.6438345247648215e-7,
+            1.388803737033218e-6,
             0.01,
             -0.007999999999999998,
             0.009,
-            3.825e-5,
-            -2.5999999999999988e-5,
+            7.65e-5,
+            -5.1999999999999976e-5,
             9.649999999999999e-5,
-            -3.5999999999999994e-5,
-            2.7e-5,
-            8.999999999999998e-5,
             0.06932376200206641,
+            -7.199999999999999e-5,
+            5.4e-5,
+            8.999999999999998e-5,
             params[parameter::K_INTRINSIC],
             -0.010999999999999996,
             -0.008000000000000002,
             -0.01,
             0.03086243671520445,
-            1.3619199999999997e-5,
-            6.9608e-5,
+            -7.200000000000003e-5,
+            0.00015399999999999998,
+            0.00016999999999999999,
+            -2.9815559743351372e-18,
+            -0.003000000000000003,
+            0.12844554910897665,
+            params[parameter::K_EXTENSOR],
+            2.7238399999999993e-5,
+            0.000139216,
             0.00014204462400000002,
-            0.000156418,
-            -1.1621999999999991e-5,
+            0.000312836,
+            -2.3243999999999983e-5,
             0.000323790404,
             -0.012,
             3.686287386450715e-18,
             0.1069781758046222,
             params[parameter::K_FLEXOR],
-            -2.9815559743351372e-18,
-            -0.003000000000000003,
+            -3.5999999999999994e-5,
+            2.7e-5,
             -3.6000000000000014e-5,
             7.699999999999999e-5,
-            0.00016999999999999999,
-            0.12844554910897665,
-            params[parameter::K_EXTENSOR],
-            0.00021949719764487134,
-            0.006712452527366096,
+            0.000156418,
+            -1.1621999999999991e-5,
+            -2.5999999999999988e-5,
+            3.825e-5,
+            6.9608e-5,
+            1.3619199999999997e-5,
         ],
     ]
 }
@@ -2153,7 +1167,7 @@ pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 
 pub struct Equations;
 
 impl Shape<4, 16, 4, 4, 0> for Equations {
-    const CONSTANTS: usize = 49;
+    const CONSTANTS: usize = 56;
     #[allow(unused_variables)]
     #[inline(always)]
     fn evaluate<L: Lane>(
@@ -2197,75 +1211,4 @@ impl Shape<4, 16, 4, 4, 0> for Equations {
     fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
         self::lengths(q, constants, lengths);
     }
-=======
-/// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
-pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
-    let q_index_mcp = q[coordinate::INDEX_MCP];
-    let q_index_pip = q[coordinate::INDEX_PIP];
-    let q_index_dip = q[coordinate::INDEX_DIP];
-    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_ab_1 = mul_add(
-        sin_index_mcp,
-        cos_index_pip,
-        cos_index_mcp * sin_index_pip,
-    );
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_ab_2 = mul_sub(
-        cos_index_mcp,
-        cos_index_pip,
-        sin_index_mcp * sin_index_pip,
-    );
-    let index_ab_3 = 2.113600077163611e-5
-        * mul_sub(cos_index_dip, index_ab_2, sin_index_dip * index_ab_1);
-    let index_ab_4 = 0.0224 * index_ab_2 * index_ab_3;
-    let index_ab_5 = mul_add(
-        2.0,
-        index_ab_4,
-        neg_mul_add(
-            index_ab_1,
-            2.0917644617198177e-6 * index_ab_1,
-            1.0458822308599088e-6,
-        ),
-    );
-    let index_ab_6 = 0.0001154165848898187 * index_ab_2;
-    let index_ab_7 = 0.039799999999999995 * cos_index_mcp;
-    let index_ab_8 = mul_add(
-        2.0,
-        index_ab_7 * (index_ab_6 + index_ab_3),
-        neg_mul_add(
-            sin_index_mcp,
-            1.7742421098850526e-5 * sin_index_mcp,
-            8.871210549425263e-6,
-        ),
-    );
-    let index_ab_9 = mul_add(cos_index_dip, index_ab_1, sin_index_dip * index_ab_2);
-    matrix[0] = neg_mul_add(
-        index_ab_9,
-        1.8985836304951953e-7 * index_ab_9,
-        9.492918152475976e-8,
-    ) + (1.0687300077035954e-5 + index_ab_8 + index_ab_5);
-    let index_mcp_1 = 2.113600077163611e-5 * index_ab_9;
-    let index_mcp_2 = mul_add(0.0224 * index_ab_1, index_mcp_1, index_ab_4);
-    let index_mcp_3 = 2.5540671987294797e-7 + index_mcp_2;
-    let index_mcp_4 = 2.2502977721519766e-6 + index_mcp_2 + index_mcp_3;
-    let index_mcp_5 = 0.039799999999999995 * sin_index_mcp;
-    let index_mcp_6 = mul_add(index_mcp_5, index_mcp_1, index_ab_7 * index_ab_3);
-    let index_mcp_7 = mul_add(
-        index_mcp_5,
-        0.0001154165848898187 * index_ab_1,
-        index_ab_7 * index_ab_6,
-    ) + index_mcp_6;
-    let index_mcp_8 = index_mcp_7 + index_mcp_4;
-    matrix[5] = 1.8193617546820962e-5 + index_mcp_7 + index_mcp_8;
-    matrix[6] = index_mcp_8;
-    let index_mcp_9 = index_mcp_6 + index_mcp_3;
-    matrix[7] = index_mcp_9;
-    matrix[9] = index_mcp_8;
-    matrix[10] = index_mcp_4;
-    matrix[11] = index_mcp_3;
-    matrix[13] = index_mcp_9;
-    matrix[14] = index_mcp_3;
-    matrix[15] = 2.5540671987294797e-7;
->>>>>>> work-a
 }

@@ -12,7 +12,7 @@ pub mod thumb;
 /// Constants of all blocks.
 #[derive(Clone, Debug)]
 pub struct Blocks {
-    index: [[f64; 49]; 4],
+    index: [[f64; 56]; 4],
     thumb: [[f64; 3]; 1],
 }
 

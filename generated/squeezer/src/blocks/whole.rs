@@ -2,17 +2,12 @@
 
 //! Block `whole` of the step equations.
 
-<<<<<<< HEAD
 use crate::layout::{PARAMETERS, VALUES, parameter};
 use handc_core::lane::Lane;
-use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
-use handc_core::shape::{Local, Place, Shape};
-=======
-use crate::layout::{
-    COORDINATES, MATRIX, PARAMETERS, STRANDS, coordinate, parameter, strand,
+use handc_core::lane::functions::{
+    cos, mul_add, mul_sub, neg_mul_add, sin, sin_cos, sqrt,
 };
-use handc_core::math::{cos, mul_add, mul_sub, neg_mul_add, sin, sin_cos, sqrt};
->>>>>>> work-a
+use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
 ///
@@ -24,8 +19,7 @@ use handc_core::math::{cos, mul_add, mul_sub, neg_mul_add, sin, sin_cos, sqrt};
 ///
 /// Torques: `motor` (squeezer.hdl:77).
 ///
-<<<<<<< HEAD
-/// 90 operations: 7 sums, 35 products, 21 products with sum, 1 division, 1 root, 4 sines and cosines.
+/// 59 operations: 8 sums, 29 products, 8 products with sum, 1 division, 1 root, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 7],
@@ -34,16 +28,6 @@ pub fn evaluate<L: Lane>(
     constants: &[f64],
     momentum: &mut [L; 7],
     force: &mut [L; 7],
-=======
-/// 59 operations: 8 sums, 29 products, 8 products with sum, 1 division, 1 root, 4 sines and cosines.
-pub fn evaluate(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
->>>>>>> work-a
 ) {
     let constants = &constants[..2 * L::WIDTH];
     let q_theta = q[1];
@@ -61,111 +45,63 @@ pub fn evaluate(
     let c_0 = L::load(&constants[0 * L::WIDTH..]);
     let c_1 = L::load(&constants[1 * L::WIDTH..]);
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-<<<<<<< HEAD
-    let beta_1 = neg_mul_add(L::splat(0.0115), cos_theta, L::splat(0.007));
-    let beta_2 = L::splat(0.00365) * beta_1;
-    let beta_3 = L::splat(4.1975e-5) * sin_theta;
-    let beta_4 = L::splat(4.41e-7)
-        + mul_add(beta_1, beta_2, L::splat(0.0115) * sin_theta * beta_3);
-    let beta_5 = v_beta + v_theta;
-    let beta_6 = mul_sub(beta_5, beta_4, L::splat(0.007) * v_theta * beta_2);
-    momentum[0] = mul_add(L::splat(2.2306068000000004e-6), v_beta, beta_6);
-    momentum[1] = neg_mul_add(
-        L::splat(0.007),
-        neg_mul_add(L::splat(2.555e-5), v_theta, beta_5 * beta_2),
-        beta_6,
-    );
+    let beta_1 = L::splat(4.1975e-5) * cos_theta;
+    let beta_2 = v_beta + v_theta;
+    let beta_3 = L::splat(0.007) * v_beta;
+    let beta_4 = neg_mul_add(beta_3, beta_1, L::splat(9.237125e-7) * beta_2);
+    momentum[0] = beta_4
+        + neg_mul_add(
+            L::splat(0.007),
+            beta_2 * beta_1,
+            L::splat(2.4094568000000004e-6) * v_beta,
+        );
+    momentum[1] = beta_4;
     momentum[2] = L::splat(1.6170147425e-5) * v_gamma;
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(L::splat(0.00579), sin_phi, L::splat(0.04));
-    let delta_2 = L::splat(0.00706) * delta_1;
-    let delta_3 = L::splat(4.08774e-5) * cos_phi;
-    let delta_4 = L::splat(5.667e-7)
-        + mul_add(delta_1, delta_2, L::splat(0.00579) * cos_phi * delta_3);
-    let delta_5 = v_delta + v_phi;
-    let delta_6 = mul_sub(delta_5, delta_4, L::splat(0.04) * v_phi * delta_2);
-    momentum[3] = mul_add(L::splat(5.5159736e-5), v_delta, delta_6);
-    momentum[4] = neg_mul_add(
-        L::splat(0.04),
-        neg_mul_add(L::splat(0.00028240000000000003), v_phi, delta_5 * delta_2),
-        delta_6,
-    );
+    let delta_1 = L::splat(4.08774e-5) * sin_phi;
+    let delta_2 = v_delta + v_phi;
+    let delta_3 = L::splat(0.04) * v_delta;
+    let delta_4 = mul_add(delta_3, delta_1, L::splat(8.03380146e-7) * delta_2);
+    momentum[3] = delta_4
+        + mul_add(L::splat(0.04), delta_2 * delta_1, L::splat(6.6455736e-5) * v_delta);
+    momentum[4] = delta_4;
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(L::splat(0.00579), sin_omega, L::splat(-0.04));
-    let epsilon_2 = L::splat(0.00706) * epsilon_1;
-    let epsilon_3 = L::splat(4.08774e-5) * cos_omega;
-    let epsilon_4 = L::splat(5.667e-7)
-        + mul_add(L::splat(0.00579) * cos_omega, epsilon_3, epsilon_1 * epsilon_2);
-    let epsilon_5 = v_epsilon + v_omega;
-    let epsilon_6 = mul_add(epsilon_5, epsilon_4, L::splat(0.04) * v_omega * epsilon_2);
-    momentum[5] = mul_add(L::splat(2.851929833e-5), v_epsilon, epsilon_6);
-    momentum[6] = mul_add(
-        L::splat(0.04),
-        mul_add(L::splat(0.00028240000000000003), v_omega, epsilon_5 * epsilon_2),
-        epsilon_6,
+    let epsilon_1 = L::splat(4.08774e-5) * sin_omega;
+    let epsilon_2 = v_epsilon + v_omega;
+    let epsilon_3 = L::splat(0.04) * v_epsilon;
+    let epsilon_4 = neg_mul_add(
+        epsilon_3,
+        epsilon_1,
+        L::splat(8.03380146e-7) * epsilon_2,
     );
+    momentum[5] = epsilon_4
+        + neg_mul_add(
+            L::splat(0.04),
+            epsilon_2 * epsilon_1,
+            L::splat(3.981529833e-5) * v_epsilon,
+        );
+    momentum[6] = epsilon_4;
     force[0] = c_0;
-    force[1] = L::splat(0.007) * v_beta * (beta_5 * beta_3);
+    force[1] = beta_3 * (beta_2 * (L::splat(4.1975e-5) * sin_theta));
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(0.00030014000000000017),
-            cos_gamma,
-            L::splat(0.0016917) * sin_gamma,
-        ),
-        L::splat(0.0048012554),
+    let spring_1 = sqrt(
+        L::splat(0.0048012554)
+            - mul_add(
+                L::splat(0.0006002800000000003),
+                cos_gamma,
+                L::splat(0.0033834) * sin_gamma,
+            ),
     );
-    let spring_2 = sqrt(spring_1);
-    let spring_3 = mul_sub(
+    let spring_2 = mul_sub(
         L::splat(0.00030014000000000017),
         sin_gamma,
         L::splat(0.0016917) * cos_gamma,
-    ) / spring_2;
-    force[2] = -(spring_3 * ((spring_2 - rest_spring) * c_1));
+    ) / spring_1;
+    force[2] = -(spring_2 * ((spring_1 - rest_spring) * c_1));
     force[3] = L::splat(0.0);
-    force[4] = L::splat(0.04) * v_delta * (delta_5 * delta_3);
+    force[4] = delta_3 * (delta_2 * (L::splat(4.08774e-5) * cos_phi));
     force[5] = L::splat(0.0);
-    force[6] = -(L::splat(0.04) * v_epsilon * (epsilon_5 * epsilon_3));
-=======
-    let beta_1 = 4.1975e-5 * cos_theta;
-    let beta_2 = v_beta + v_theta;
-    let beta_3 = 0.007 * v_beta;
-    let beta_4 = neg_mul_add(beta_3, beta_1, 9.237125e-7 * beta_2);
-    momentum[coordinate::BETA] = beta_4
-        + neg_mul_add(0.007, beta_2 * beta_1, 2.4094568000000004e-6 * v_beta);
-    momentum[coordinate::THETA] = beta_4;
-    momentum[coordinate::GAMMA] = 1.6170147425e-5 * v_gamma;
-    let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = 4.08774e-5 * sin_phi;
-    let delta_2 = v_delta + v_phi;
-    let delta_3 = 0.04 * v_delta;
-    let delta_4 = mul_add(delta_3, delta_1, 8.03380146e-7 * delta_2);
-    momentum[coordinate::DELTA] = delta_4
-        + mul_add(0.04, delta_2 * delta_1, 6.6455736e-5 * v_delta);
-    momentum[coordinate::PHI] = delta_4;
-    let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = 4.08774e-5 * sin_omega;
-    let epsilon_2 = v_epsilon + v_omega;
-    let epsilon_3 = 0.04 * v_epsilon;
-    let epsilon_4 = neg_mul_add(epsilon_3, epsilon_1, 8.03380146e-7 * epsilon_2);
-    momentum[coordinate::EPSILON] = epsilon_4
-        + neg_mul_add(0.04, epsilon_2 * epsilon_1, 3.981529833e-5 * v_epsilon);
-    momentum[coordinate::OMEGA] = epsilon_4;
-    force[coordinate::BETA] = mom;
-    force[coordinate::THETA] = beta_3 * (beta_2 * (4.1975e-5 * sin_theta));
-    let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = sqrt(
-        0.0048012554 - mul_add(0.0006002800000000003, cos_gamma, 0.0033834 * sin_gamma),
-    );
-    let spring_2 = mul_sub(0.00030014000000000017, sin_gamma, 0.0016917 * cos_gamma)
-        / spring_1;
-    force[coordinate::GAMMA] = -(spring_2 * (c0 * (spring_1 - rest_spring)));
-    force[coordinate::DELTA] = 0.0;
-    force[coordinate::PHI] = delta_3 * (delta_2 * (4.08774e-5 * cos_phi));
-    force[coordinate::EPSILON] = 0.0;
-    force[coordinate::OMEGA] = -(epsilon_3 * (epsilon_2 * (4.08774e-5 * cos_omega)));
->>>>>>> work-a
+    force[6] = -(epsilon_3 * (epsilon_2 * (L::splat(4.08774e-5) * cos_omega)));
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -178,8 +114,7 @@ pub fn evaluate(
 ///
 /// Torques: `motor` (squeezer.hdl:77).
 ///
-<<<<<<< HEAD
-/// 167 operations: 13 sums, 57 products, 45 products with sum, 2 divisions, 1 root, 4 sines and cosines.
+/// 130 operations: 20 sums, 51 products, 26 products with sum, 2 divisions, 1 root, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
     q: &[L; 7],
@@ -190,18 +125,6 @@ pub fn evaluate_with_matrix<L: Lane>(
     momentum: &mut [L; 7],
     force: &mut [L; 7],
     matrix: &mut [L; 49],
-=======
-/// 130 operations: 20 sums, 51 products, 26 products with sum, 2 divisions, 1 root, 4 sines and cosines.
-pub fn evaluate_with_matrix(
-    q: &[f64; COORDINATES],
-    v: &[f64; COORDINATES],
-    h: f64,
-    rest: &[f64; STRANDS],
-    params: &[f64; PARAMETERS],
-    momentum: &mut [f64; COORDINATES],
-    force: &mut [f64; COORDINATES],
-    matrix: &mut [f64; MATRIX],
->>>>>>> work-a
 ) {
     let constants = &constants[..2 * L::WIDTH];
     let q_theta = q[1];
@@ -219,59 +142,46 @@ pub fn evaluate_with_matrix(
     let c_0 = L::load(&constants[0 * L::WIDTH..]);
     let c_1 = L::load(&constants[1 * L::WIDTH..]);
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-<<<<<<< HEAD
-    let beta_1 = neg_mul_add(L::splat(0.0115), cos_theta, L::splat(0.007));
-    let beta_2 = L::splat(0.00365) * beta_1;
-    let beta_3 = L::splat(4.1975e-5) * sin_theta;
-    let beta_4 = mul_add(beta_1, beta_2, L::splat(0.0115) * sin_theta * beta_3);
-    let beta_5 = L::splat(4.41e-7) + beta_4;
-    let beta_6 = v_beta + v_theta;
-    let beta_7 = mul_sub(beta_6, beta_5, L::splat(0.007) * v_theta * beta_2);
-    momentum[0] = mul_add(L::splat(2.2306068000000004e-6), v_beta, beta_7);
-    let theta_1 = neg_mul_add(L::splat(2.555e-5), v_theta, beta_6 * beta_2);
-    momentum[1] = neg_mul_add(L::splat(0.007), theta_1, beta_7);
+    let beta_1 = L::splat(4.1975e-5) * cos_theta;
+    let beta_2 = v_beta + v_theta;
+    let beta_3 = beta_2 * beta_1;
+    let beta_4 = L::splat(0.007) * v_beta;
+    let beta_5 = neg_mul_add(beta_4, beta_1, L::splat(9.237125e-7) * beta_2);
+    momentum[0] = beta_5
+        + neg_mul_add(L::splat(0.007), beta_3, L::splat(2.4094568000000004e-6) * v_beta);
+    momentum[1] = beta_5;
     momentum[2] = L::splat(1.6170147425e-5) * v_gamma;
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(L::splat(0.00579), sin_phi, L::splat(0.04));
-    let delta_2 = L::splat(0.00706) * delta_1;
-    let delta_3 = L::splat(4.08774e-5) * cos_phi;
-    let delta_4 = mul_add(delta_1, delta_2, L::splat(0.00579) * cos_phi * delta_3);
-    let delta_5 = L::splat(5.667e-7) + delta_4;
-    let delta_6 = v_delta + v_phi;
-    let delta_7 = mul_sub(delta_6, delta_5, L::splat(0.04) * v_phi * delta_2);
-    momentum[3] = mul_add(L::splat(5.5159736e-5), v_delta, delta_7);
-    let phi_1 = neg_mul_add(L::splat(0.00028240000000000003), v_phi, delta_6 * delta_2);
-    momentum[4] = neg_mul_add(L::splat(0.04), phi_1, delta_7);
+    let delta_1 = L::splat(4.08774e-5) * sin_phi;
+    let delta_2 = v_delta + v_phi;
+    let delta_3 = delta_2 * delta_1;
+    let delta_4 = L::splat(0.04) * v_delta;
+    let delta_5 = mul_add(delta_4, delta_1, L::splat(8.03380146e-7) * delta_2);
+    momentum[3] = delta_5
+        + mul_add(L::splat(0.04), delta_3, L::splat(6.6455736e-5) * v_delta);
+    momentum[4] = delta_5;
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(L::splat(0.00579), sin_omega, L::splat(-0.04));
-    let epsilon_2 = L::splat(0.00706) * epsilon_1;
-    let epsilon_3 = L::splat(4.08774e-5) * cos_omega;
-    let epsilon_4 = mul_add(
-        L::splat(0.00579) * cos_omega,
-        epsilon_3,
-        epsilon_1 * epsilon_2,
+    let epsilon_1 = L::splat(4.08774e-5) * sin_omega;
+    let epsilon_2 = v_epsilon + v_omega;
+    let epsilon_3 = epsilon_2 * epsilon_1;
+    let epsilon_4 = L::splat(0.04) * v_epsilon;
+    let epsilon_5 = neg_mul_add(
+        epsilon_4,
+        epsilon_1,
+        L::splat(8.03380146e-7) * epsilon_2,
     );
-    let epsilon_5 = L::splat(5.667e-7) + epsilon_4;
-    let epsilon_6 = v_epsilon + v_omega;
-    let epsilon_7 = mul_add(epsilon_6, epsilon_5, L::splat(0.04) * v_omega * epsilon_2);
-    momentum[5] = mul_add(L::splat(2.851929833e-5), v_epsilon, epsilon_7);
-    let omega_1 = mul_add(
-        L::splat(0.00028240000000000003),
-        v_omega,
-        epsilon_6 * epsilon_2,
-    );
-    momentum[6] = mul_add(L::splat(0.04), omega_1, epsilon_7);
+    momentum[5] = epsilon_5
+        + neg_mul_add(L::splat(0.04), epsilon_3, L::splat(3.981529833e-5) * v_epsilon);
+    momentum[6] = epsilon_5;
     force[0] = c_0;
-    let theta_2 = beta_6 * beta_3;
-    let theta_3 = L::splat(0.007) * v_beta;
-    force[1] = theta_3 * theta_2;
+    force[1] = beta_4 * (beta_2 * (L::splat(4.1975e-5) * sin_theta));
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
     let spring_1 = mul_add(
-        L::splat(0.00030014000000000017),
+        L::splat(0.0006002800000000003),
         cos_gamma,
-        L::splat(0.0016917) * sin_gamma,
+        L::splat(0.0033834) * sin_gamma,
     );
-    let spring_2 = sqrt(neg_mul_add(L::splat(2.0), spring_1, L::splat(0.0048012554)));
+    let spring_2 = sqrt(L::splat(0.0048012554) - spring_1);
     let spring_3 = L::splat(1.0) / spring_2;
     let spring_4 = spring_3
         * mul_sub(
@@ -282,139 +192,55 @@ pub fn evaluate_with_matrix(
     let spring_5 = (spring_2 - rest_spring) * c_1;
     force[2] = -(spring_4 * spring_5);
     force[3] = L::splat(0.0);
-    let phi_2 = delta_6 * delta_3;
-    let phi_3 = L::splat(0.04) * v_delta;
-    force[4] = phi_3 * phi_2;
+    force[4] = delta_4 * (delta_2 * (L::splat(4.08774e-5) * cos_phi));
     force[5] = L::splat(0.0);
-    let omega_2 = epsilon_6 * epsilon_3;
-    let omega_3 = L::splat(0.04) * v_epsilon;
-    force[6] = -(omega_3 * omega_2);
-    let beta_8 = L::splat(1.0) / h;
-    matrix[0] = -((L::splat(2.6716068000000005e-6) + beta_4) * beta_8);
-    let beta_9 = beta_8 * neg_mul_add(L::splat(2.555e-5), beta_1, beta_5);
-    let beta_10 = mul_add(theta_3, beta_3, L::splat(0.007) * theta_2);
-    matrix[1] = -mul_add(L::splat(0.5), beta_10, beta_9);
-    matrix[7] = mul_sub(L::splat(0.5), beta_10, beta_9);
+    force[6] = -(epsilon_4 * (epsilon_2 * (L::splat(4.08774e-5) * cos_omega)));
     let spring_6 = L::splat(0.25) * h;
-    matrix[8] = mul_add(
-        theta_3,
-        spring_6 * mul_sub(L::splat(2.555e-5), v_beta, theta_1),
-        mul_sub(L::splat(0.007), beta_8 * (L::splat(-2.555e-5) + beta_2), beta_9),
-    );
-    let spring_7 = mul_add(
-        spring_3 * neg_mul_add(spring_4, spring_4, spring_1),
-        spring_6 * spring_5,
-        spring_4 * (spring_4 * (spring_6 * c_1)),
-    );
-    matrix[16] = -mul_add(L::splat(1.6170147425e-5), beta_8, spring_7);
-    matrix[24] = -(beta_8 * (L::splat(5.5726436e-5) + delta_4));
-    let delta_8 = beta_8
-        * neg_mul_add(L::splat(0.00028240000000000003), delta_1, delta_5);
-    let delta_9 = mul_add(phi_3, delta_3, L::splat(0.04) * phi_2);
-    matrix[25] = -mul_add(L::splat(0.5), delta_9, delta_8);
-    matrix[31] = mul_sub(L::splat(0.5), delta_9, delta_8);
-    matrix[32] = mul_add(
-        phi_3,
-        spring_6 * mul_sub(L::splat(0.00028240000000000003), v_delta, phi_1),
-        mul_sub(
-            L::splat(0.04),
-            beta_8 * (L::splat(-0.00028240000000000003) + delta_2),
-            delta_8,
-        ),
-    );
-    matrix[40] = -(beta_8 * (L::splat(2.9085998329999998e-5) + epsilon_4));
-    let epsilon_8 = beta_8
-        * mul_add(L::splat(0.00028240000000000003), epsilon_1, epsilon_5);
-    let epsilon_9 = mul_add(omega_3, epsilon_3, L::splat(0.04) * omega_2);
-    matrix[41] = mul_sub(L::splat(0.5), epsilon_9, epsilon_8);
-    matrix[47] = -mul_add(L::splat(0.5), epsilon_9, epsilon_8);
-    matrix[48] = mul_add(
-        omega_3,
-        spring_6 * mul_add(L::splat(0.00028240000000000003), v_epsilon, omega_1),
-        mul_sub(
-            L::splat(0.04),
-            beta_8 * (L::splat(-0.00028240000000000003) - epsilon_2),
-            epsilon_8,
-        ),
-=======
-    let beta_1 = 4.1975e-5 * cos_theta;
-    let beta_2 = v_beta + v_theta;
-    let beta_3 = beta_2 * beta_1;
-    let beta_4 = 0.007 * v_beta;
-    let beta_5 = neg_mul_add(beta_4, beta_1, 9.237125e-7 * beta_2);
-    momentum[coordinate::BETA] = beta_5
-        + neg_mul_add(0.007, beta_3, 2.4094568000000004e-6 * v_beta);
-    momentum[coordinate::THETA] = beta_5;
-    momentum[coordinate::GAMMA] = 1.6170147425e-5 * v_gamma;
-    let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = 4.08774e-5 * sin_phi;
-    let delta_2 = v_delta + v_phi;
-    let delta_3 = delta_2 * delta_1;
-    let delta_4 = 0.04 * v_delta;
-    let delta_5 = mul_add(delta_4, delta_1, 8.03380146e-7 * delta_2);
-    momentum[coordinate::DELTA] = delta_5
-        + mul_add(0.04, delta_3, 6.6455736e-5 * v_delta);
-    momentum[coordinate::PHI] = delta_5;
-    let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = 4.08774e-5 * sin_omega;
-    let epsilon_2 = v_epsilon + v_omega;
-    let epsilon_3 = epsilon_2 * epsilon_1;
-    let epsilon_4 = 0.04 * v_epsilon;
-    let epsilon_5 = neg_mul_add(epsilon_4, epsilon_1, 8.03380146e-7 * epsilon_2);
-    momentum[coordinate::EPSILON] = epsilon_5
-        + neg_mul_add(0.04, epsilon_3, 3.981529833e-5 * v_epsilon);
-    momentum[coordinate::OMEGA] = epsilon_5;
-    force[coordinate::BETA] = mom;
-    force[coordinate::THETA] = beta_4 * (beta_2 * (4.1975e-5 * sin_theta));
-    let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = mul_add(0.0006002800000000003, cos_gamma, 0.0033834 * sin_gamma);
-    let spring_2 = sqrt(0.0048012554 - spring_1);
-    let spring_3 = 1.0 / spring_2;
-    let spring_4 = spring_3
-        * mul_sub(0.00030014000000000017, sin_gamma, 0.0016917 * cos_gamma);
-    let spring_5 = c0 * (spring_2 - rest_spring);
-    force[coordinate::GAMMA] = -(spring_4 * spring_5);
-    force[coordinate::DELTA] = 0.0;
-    force[coordinate::PHI] = delta_4 * (delta_2 * (4.08774e-5 * cos_phi));
-    force[coordinate::EPSILON] = 0.0;
-    force[coordinate::OMEGA] = -(epsilon_4 * (epsilon_2 * (4.08774e-5 * cos_omega)));
-    let spring_6 = 0.25 * h;
     let beta_6 = spring_6 * (beta_4 * beta_3);
-    let beta_7 = 1.0 / h;
-    let beta_8 = mul_sub(beta_7, 2.93825e-7 * cos_theta, beta_6);
-    let beta_9 = neg_mul_add(9.237125e-7, beta_7, beta_6);
+    let beta_7 = L::splat(1.0) / h;
+    let beta_8 = mul_sub(beta_7, L::splat(2.93825e-7) * cos_theta, beta_6);
+    let beta_9 = neg_mul_add(L::splat(9.237125e-7), beta_7, beta_6);
     let beta_10 = beta_8 + beta_9;
-    matrix[0] = neg_mul_add(2.4094568000000004e-6, beta_7, beta_6) + beta_8 + beta_10;
-    let beta_11 = 0.5 * (v_beta + beta_2);
-    let beta_12 = 2.93825e-7 * sin_theta;
+    matrix[0] = neg_mul_add(L::splat(2.4094568000000004e-6), beta_7, beta_6) + beta_8
+        + beta_10;
+    let beta_11 = L::splat(0.5) * (v_beta + beta_2);
+    let beta_12 = L::splat(2.93825e-7) * sin_theta;
     matrix[1] = neg_mul_add(beta_12, beta_11, beta_10);
     matrix[7] = mul_add(beta_12, beta_11, beta_10);
     matrix[8] = beta_9;
     let spring_7 = spring_3 * (spring_6 * spring_5);
     let spring_8 = mul_add(
         spring_4,
-        spring_4 * mul_sub(c0, spring_6, spring_7),
-        0.5 * spring_1 * spring_7,
->>>>>>> work-a
+        spring_4 * mul_sub(spring_6, c_1, spring_7),
+        L::splat(0.5) * spring_1 * spring_7,
     );
-    matrix[16] = -mul_add(1.6170147425e-5, beta_7, spring_8);
+    matrix[16] = -mul_add(L::splat(1.6170147425e-5), beta_7, spring_8);
     let delta_6 = spring_6 * (delta_4 * delta_3);
-    let delta_7 = neg_mul_add(beta_7, 1.6350960000000001e-6 * sin_phi, delta_6);
-    let delta_8 = mul_add(8.03380146e-7, beta_7, delta_6);
+    let delta_7 = neg_mul_add(
+        beta_7,
+        L::splat(1.6350960000000001e-6) * sin_phi,
+        delta_6,
+    );
+    let delta_8 = mul_add(L::splat(8.03380146e-7), beta_7, delta_6);
     let delta_9 = delta_7 - delta_8;
-    matrix[24] = delta_7 - mul_add(6.6455736e-5, beta_7, delta_6) + delta_9;
-    let delta_10 = 0.5 * (v_delta + delta_2);
-    let delta_11 = 1.6350960000000001e-6 * cos_phi;
+    matrix[24] = delta_7 - mul_add(L::splat(6.6455736e-5), beta_7, delta_6) + delta_9;
+    let delta_10 = L::splat(0.5) * (v_delta + delta_2);
+    let delta_11 = L::splat(1.6350960000000001e-6) * cos_phi;
     matrix[25] = neg_mul_add(delta_11, delta_10, delta_9);
     matrix[31] = mul_add(delta_11, delta_10, delta_9);
     matrix[32] = -delta_8;
     let epsilon_6 = spring_6 * (epsilon_4 * epsilon_3);
-    let epsilon_7 = mul_sub(beta_7, 1.6350960000000001e-6 * sin_omega, epsilon_6);
-    let epsilon_8 = neg_mul_add(8.03380146e-7, beta_7, epsilon_6);
+    let epsilon_7 = mul_sub(
+        beta_7,
+        L::splat(1.6350960000000001e-6) * sin_omega,
+        epsilon_6,
+    );
+    let epsilon_8 = neg_mul_add(L::splat(8.03380146e-7), beta_7, epsilon_6);
     let epsilon_9 = epsilon_7 + epsilon_8;
-    matrix[40] = neg_mul_add(3.981529833e-5, beta_7, epsilon_6) + epsilon_7 + epsilon_9;
-    let epsilon_10 = 0.5 * (v_epsilon + epsilon_2);
-    let epsilon_11 = 1.6350960000000001e-6 * cos_omega;
+    matrix[40] = neg_mul_add(L::splat(3.981529833e-5), beta_7, epsilon_6) + epsilon_7
+        + epsilon_9;
+    let epsilon_10 = L::splat(0.5) * (v_epsilon + epsilon_2);
+    let epsilon_11 = L::splat(1.6350960000000001e-6) * cos_omega;
     matrix[41] = mul_add(epsilon_11, epsilon_10, epsilon_9);
     matrix[47] = neg_mul_add(epsilon_11, epsilon_10, epsilon_9);
     matrix[48] = epsilon_8;
@@ -430,69 +256,51 @@ pub fn evaluate_with_matrix(
 ///
 /// Torques: `motor` (squeezer.hdl:77).
 ///
-<<<<<<< HEAD
-/// 48 operations: 9 sums, 12 products, 12 products with sum, 3 sines and cosines.
+/// 18 operations: 3 sums, 6 products with sum, 3 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 7], matrix: &mut [L; 49]) {
     let q_theta = q[1];
     let q_phi = q[4];
     let q_omega = q[6];
-    let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(L::splat(0.0115), cos_theta, L::splat(0.007));
-    let beta_2 = L::splat(0.00365) * beta_1;
-    let beta_3 = mul_add(
-        beta_1,
-        beta_2,
-        L::splat(0.0115) * sin_theta * (L::splat(4.1975e-5) * sin_theta),
-    );
-    matrix[0] = L::splat(2.6716068000000005e-6) + beta_3;
-    let beta_4 = neg_mul_add(L::splat(2.555e-5), beta_1, L::splat(4.41e-7) + beta_3);
-    matrix[1] = beta_4;
-    matrix[7] = beta_4;
-    matrix[8] = neg_mul_add(L::splat(0.007), L::splat(-2.555e-5) + beta_2, beta_4);
+    let cos_theta = cos(q_theta);
+    let beta_1 = neg_mul_add(L::splat(2.93825e-7), cos_theta, L::splat(9.237125e-7));
+    matrix[0] = neg_mul_add(
+        L::splat(2.93825e-7),
+        cos_theta,
+        L::splat(2.4094568000000004e-6),
+    ) + beta_1;
+    matrix[1] = beta_1;
+    matrix[7] = beta_1;
+    matrix[8] = L::splat(9.237125e-7);
     matrix[16] = L::splat(1.6170147425e-5);
-    let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let delta_1 = mul_add(L::splat(0.00579), sin_phi, L::splat(0.04));
-    let delta_2 = L::splat(0.00706) * delta_1;
-    let delta_3 = mul_add(
-        delta_1,
-        delta_2,
-        L::splat(0.00579) * cos_phi * (L::splat(4.08774e-5) * cos_phi),
+    let sin_phi = sin(q_phi);
+    let delta_1 = mul_add(
+        L::splat(1.6350960000000001e-6),
+        sin_phi,
+        L::splat(8.03380146e-7),
     );
-    matrix[24] = L::splat(5.5726436e-5) + delta_3;
-    let delta_4 = neg_mul_add(
-        L::splat(0.00028240000000000003),
-        delta_1,
-        L::splat(5.667e-7) + delta_3,
+    matrix[24] = mul_add(
+        L::splat(1.6350960000000001e-6),
+        sin_phi,
+        L::splat(6.6455736e-5),
+    ) + delta_1;
+    matrix[25] = delta_1;
+    matrix[31] = delta_1;
+    matrix[32] = L::splat(8.03380146e-7);
+    let sin_omega = sin(q_omega);
+    let epsilon_1 = neg_mul_add(
+        L::splat(1.6350960000000001e-6),
+        sin_omega,
+        L::splat(8.03380146e-7),
     );
-    matrix[25] = delta_4;
-    matrix[31] = delta_4;
-    matrix[32] = neg_mul_add(
-        L::splat(0.04),
-        L::splat(-0.00028240000000000003) + delta_2,
-        delta_4,
-    );
-    let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let epsilon_1 = mul_add(L::splat(0.00579), sin_omega, L::splat(-0.04));
-    let epsilon_2 = L::splat(0.00706) * epsilon_1;
-    let epsilon_3 = mul_add(
-        L::splat(0.00579) * cos_omega,
-        L::splat(4.08774e-5) * cos_omega,
-        epsilon_1 * epsilon_2,
-    );
-    matrix[40] = L::splat(2.9085998329999998e-5) + epsilon_3;
-    let epsilon_4 = mul_add(
-        L::splat(0.00028240000000000003),
-        epsilon_1,
-        L::splat(5.667e-7) + epsilon_3,
-    );
-    matrix[41] = epsilon_4;
-    matrix[47] = epsilon_4;
-    matrix[48] = neg_mul_add(
-        L::splat(0.04),
-        L::splat(-0.00028240000000000003) - epsilon_2,
-        epsilon_4,
-    );
+    matrix[40] = neg_mul_add(
+        L::splat(1.6350960000000001e-6),
+        sin_omega,
+        L::splat(3.981529833e-5),
+    ) + epsilon_1;
+    matrix[41] = epsilon_1;
+    matrix[47] = epsilon_1;
+    matrix[48] = L::splat(8.03380146e-7);
 }
 
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
@@ -505,21 +313,19 @@ pub fn mass_matrix<L: Lane>(q: &[L; 7], matrix: &mut [L; 49]) {
 ///
 /// Torques: `motor` (squeezer.hdl:77).
 ///
-/// 7 operations: 1 product, 2 products with sum, 1 root, 1 sine and cosine.
+/// 6 operations: 1 sum, 1 product, 1 product with sum, 1 root, 1 sine and cosine.
 #[inline(always)]
 pub fn lengths<L: Lane>(q: &[L; 7], lengths: &mut [L; 1]) {
     let q_gamma = q[2];
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = neg_mul_add(
-        L::splat(2.0),
-        mul_add(
-            L::splat(0.00030014000000000017),
-            cos_gamma,
-            L::splat(0.0016917) * sin_gamma,
-        ),
-        L::splat(0.0048012554),
+    lengths[0] = sqrt(
+        L::splat(0.0048012554)
+            - mul_add(
+                L::splat(0.0006002800000000003),
+                cos_gamma,
+                L::splat(0.0033834) * sin_gamma,
+            ),
     );
-    lengths[0] = sqrt(spring_1);
 }
 
 /// Where the numbers of each block stand.
@@ -586,31 +392,4 @@ impl Shape<7, 49, 7, 1, 0> for Equations {
     fn lengths<L: Lane>(q: &[L; 7], constants: &[f64], lengths: &mut [L; 1]) {
         self::lengths(q, lengths);
     }
-=======
-/// 18 operations: 3 sums, 6 products with sum, 3 sines and cosines.
-pub fn mass_matrix(q: &[f64; COORDINATES], matrix: &mut [f64; MATRIX]) {
-    let q_theta = q[coordinate::THETA];
-    let q_phi = q[coordinate::PHI];
-    let q_omega = q[coordinate::OMEGA];
-    let cos_theta = cos(q_theta);
-    let beta_1 = neg_mul_add(2.93825e-7, cos_theta, 9.237125e-7);
-    matrix[0] = neg_mul_add(2.93825e-7, cos_theta, 2.4094568000000004e-6) + beta_1;
-    matrix[1] = beta_1;
-    matrix[7] = beta_1;
-    matrix[8] = 9.237125e-7;
-    matrix[16] = 1.6170147425e-5;
-    let sin_phi = sin(q_phi);
-    let delta_1 = mul_add(1.6350960000000001e-6, sin_phi, 8.03380146e-7);
-    matrix[24] = mul_add(1.6350960000000001e-6, sin_phi, 6.6455736e-5) + delta_1;
-    matrix[25] = delta_1;
-    matrix[31] = delta_1;
-    matrix[32] = 8.03380146e-7;
-    let sin_omega = sin(q_omega);
-    let epsilon_1 = neg_mul_add(1.6350960000000001e-6, sin_omega, 8.03380146e-7);
-    matrix[40] = neg_mul_add(1.6350960000000001e-6, sin_omega, 3.981529833e-5)
-        + epsilon_1;
-    matrix[41] = epsilon_1;
-    matrix[47] = epsilon_1;
-    matrix[48] = 8.03380146e-7;
->>>>>>> work-a
 }
