@@ -6,5 +6,6 @@ pub mod compare;
 pub mod load;
 pub mod neutral;
 pub mod probe;
+pub mod python;
 pub mod random;
 pub mod table;
