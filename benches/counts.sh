@@ -41,22 +41,22 @@ row() {
     local alone together read
     alone=$(per_step "$step" "$short" "$long" "$runner" --scenario "$scenario")
     together=$(per_step "$step" "$short" "$long" "$runner" --scenario "$scenario" \
-        --instances 16 --threads 1 --spread start=1e-4)
+        --instances 8 --threads 1 --spread start=1e-4)
     read=$(per_step "$step" "$short" "$long" "$handc" run "$file" --scenario "$scenario")
-    echo "| $name, \`$scenario\` | $alone | $((together / 16)) | $read |"
+    echo "| $name, \`$scenario\` | $alone | $((together / 8)) | $read |"
 }
 
 table() {
     echo "# Instructions per step"
     echo
     echo "Counted by valgrind on the machine code for any x86-64 processor; written by \`benches/counts.sh --write\`."
-    echo "The ensemble is of 16 copies on one thread; its figure is for one step of one copy."
+    echo "The ensemble is of 8 copies on one thread; its figure is for one step of one copy."
     echo
     echo "| model | compiled | compiled, in an ensemble | interpreter |"
     echo "|---|---|---|---|"
-    row hand tests/fixtures/hand.hdl close 1 0.05 0.15
+    row hand tests/fixtures/hand.hdl close 1 0.5 1
     row finger tests/fixtures/finger.hdl track 10 1 3
-    row grasp models/grasp.hdl hold 1 0.05 0.1
+    row grasp models/grasp.hdl hold 1 0.5 1
     echo
     echo "With $(rustc --version | cut -d' ' -f1,2)."
 }

@@ -69,6 +69,18 @@ fn crates(own: &Own) -> Result<Vec<Crate>, String> {
     Ok(crates)
 }
 
+/// What else keeps the machine busy, where it can be told: a table of a busy machine is worth little.
+fn load() -> String {
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    match std::fs::read_to_string("/proc/loadavg") {
+        Ok(load) => {
+            let load = load.split(' ').next().unwrap_or_default().to_string();
+            format!("{cores} cores, load average {load}")
+        }
+        Err(_) => format!("{cores} cores"),
+    }
+}
+
 fn report(options: &Options) -> Result<(), String> {
     let folder = folder()?;
     models::write_fixtures(&folder.join("models"))?;
@@ -81,6 +93,7 @@ fn report(options: &Options) -> Result<(), String> {
         }
         Err(reason) => println!("MuJoCo cannot be asked: {reason}"),
     }
+    println!("{}", load());
     let crates = crates(&own)?;
     if options.wants("speed") {
         println!("\n## Speed\n\n{} rounds.\n", options.rounds);
@@ -96,6 +109,7 @@ fn report(options: &Options) -> Result<(), String> {
         println!("\n## Accuracy beside speed");
         print!("{}", accuracy::report(&own, rival, &crates)?);
     }
+    println!("\n{}", load());
     Ok(())
 }
 

@@ -43,12 +43,20 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// Whether the target is met: by the least figure of a time, by the largest of a gain.
+    /// The best of several figures: the largest of a gain, the least of all else.
+    fn best(&self, series: &Series) -> f64 {
+        match self.target {
+            Some(Target::Least(_)) => series.0.iter().copied().fold(f64::NAN, f64::max),
+            _ => series.least(),
+        }
+    }
+
+    /// Whether the best figure meets the target.
     fn verdict(&self) -> &'static str {
         let Some(target) = self.target else { return "" };
         let met = self.own.as_ref().is_ok_and(|own| match target {
-            Target::Most(most) => own.least() <= most,
-            Target::Least(least) => own.0.iter().copied().fold(f64::NAN, f64::max) >= least,
+            Target::Most(most) => self.best(own) <= most,
+            Target::Least(least) => self.best(own) >= least,
         });
         if met { "met" } else { "not met" }
     }
@@ -65,31 +73,31 @@ impl Row {
 /// The rows as markdown.
 pub(crate) fn markdown(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| what | least | median | target | | MuJoCo, least (median): times handc's least |\n\
+        "| what | best | median | target | | MuJoCo, best (median): times handc's best |\n\
          |---|---|---|---|---|---|\n",
     );
     for row in rows {
-        let (least, median) = match &row.own {
-            Ok(own) => (figure(own.least()), figure(own.median())),
+        let (best, median) = match &row.own {
+            Ok(own) => (figure(row.best(own)), figure(own.median())),
             Err(reason) => (reason.clone(), String::new()),
         };
-        let own = row.own.as_ref().map(Series::least).unwrap_or(f64::NAN);
+        let own = row.own.as_ref().map(|own| row.best(own)).unwrap_or(f64::NAN);
         let rivals: Vec<String> = row
             .rivals
             .iter()
             .map(|(name, series)| match series {
                 Ok(s) => format!(
                     "{name} {} ({}): {}x",
-                    figure(s.least()),
+                    figure(row.best(s)),
                     figure(s.median()),
-                    figure(s.least() / own)
+                    figure(row.best(s) / own)
                 ),
                 Err(reason) => format!("{name}: {reason}"),
             })
             .collect();
         let (target, verdict) = (row.target_text(), row.verdict());
         text.push_str(&format!(
-            "| {} | {least} | {median} | {target} | {verdict} | {} |\n",
+            "| {} | {best} | {median} | {target} | {verdict} | {} |\n",
             row.what,
             rivals.join("; ")
         ));
