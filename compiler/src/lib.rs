@@ -6,4 +6,5 @@ pub mod emit;
 pub mod graph;
 pub mod lint;
 pub mod lower;
+pub mod mjcf;
 pub mod stage;

@@ -1,6 +1,7 @@
 //! The `handc` command.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use handc::command::export::{ExportOptions, Format};
 use handc::command::{self, Stage};
 use handc_core::ensemble;
 use handc_core::runner::{RunOptions, assignment};
@@ -75,6 +76,26 @@ enum Command {
         out: Option<PathBuf>,
         #[command(flatten)]
         choice: Choice,
+    },
+    /// Write a model for another program
+    Export {
+        #[command(flatten)]
+        source: Source,
+        /// The format
+        #[arg(long, value_enum)]
+        format: ExportFormat,
+        /// The file; without it the text goes to standard output
+        #[arg(long, value_name = "F.xml")]
+        out: Option<PathBuf>,
+        /// Whose start, step and parameters; of several scenarios the first if left out
+        #[arg(long, value_name = "S")]
+        scenario: Option<String>,
+        /// Set a parameter (SI units); may be repeated
+        #[arg(long, value_name = "PARAM=VALUE", value_parser = assignment)]
+        set: Vec<(String, f64)>,
+        /// Step instead of the scenario's
+        #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+        step: Option<f64>,
     },
     /// Print the tree, coordinates, strands, masses and degrees of freedom
     Info {
@@ -151,6 +172,12 @@ impl From<Choice> for Settings {
     }
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum ExportFormat {
+    /// MuJoCo's XML
+    Mjcf,
+}
+
 impl Run {
     fn options(self) -> RunOptions {
         RunOptions {
@@ -190,6 +217,14 @@ fn dispatch(command: Command) -> u8 {
         Command::Plot { file, root, out, choice } => {
             let settings = choice.into();
             command::plot::plot(&command::plot::PlotOptions { file, root, out, settings })
+        }
+        Command::Export { source, format, out, scenario, set, step } => {
+            let format = match format {
+                ExportFormat::Mjcf => Format::Mjcf,
+            };
+            let settings = Settings { scenario, set, step, ..Settings::default() };
+            let Source { file, root } = source;
+            command::export::export(&ExportOptions { file, root, format, out, settings })
         }
         Command::Info { source } => command::info::info(&source.file, source.root.as_deref()),
     }

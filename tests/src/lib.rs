@@ -7,5 +7,6 @@ pub mod expected;
 pub mod load;
 pub mod neutral;
 pub mod probe;
+pub mod python;
 pub mod random;
 pub mod table;

@@ -174,7 +174,7 @@ fn commands() -> BTreeMap<String, BTreeSet<String>> {
             flattened.push(kind.trim_end_matches(',').to_string());
         }
     }
-    let files = ["check", "run", "compile", "dump", "fmt", "new", "plot", "info"];
+    let files = ["check", "run", "compile", "dump", "fmt", "new", "plot", "info", "export"];
     let mut commands = BTreeMap::new();
     for name in files {
         let variant = format!("{}{}", name[..1].to_uppercase(), &name[1..]);

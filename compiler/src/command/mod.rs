@@ -5,6 +5,7 @@ pub mod check;
 pub mod compile;
 mod core_source;
 pub mod dump;
+pub mod export;
 pub mod fmt;
 pub mod info;
 pub mod new;

@@ -1,0 +1,58 @@
+//! Strands as spatial tendons with a spring.
+
+use super::Exporter;
+use super::law::{reads, varies};
+use super::xml::Element;
+
+impl Exporter<'_> {
+    /// Every strand; those with a natural length that changes get an actuator beside the spring.
+    pub(super) fn strands(&mut self) {
+        let mechanism = self.mechanism;
+        let mut changing = Vec::new();
+        for (index, strand) in mechanism.strands.iter().enumerate() {
+            let name = self.tendon_names.take(&strand.name);
+            let stiffness = self.numbers.strands[index].stiffness;
+            let rest = self.start.rest[index];
+            let mut path = Vec::new();
+            for (number, point) in strand.points.iter().enumerate() {
+                let site = self.site(&format!("{name}.{}", number + 1), point);
+                path.push(Element::new("site").with("site", site));
+            }
+            // A length below zero would mean "the length at zero coordinates".
+            let spatial = Element::new("spatial")
+                .with("name", &name)
+                .with_numbers("stiffness", &[stiffness])
+                .with_numbers("springlength", &[rest.max(0.0)])
+                .with_children(path);
+            self.tendons.push(spatial);
+            if rest < 0.0 {
+                let pull = self.on_tendon(&format!("{name}.pull"), &name);
+                self.actuators.push((pull.bias([stiffness * rest, 0.0, 0.0]), 0.0));
+            }
+            if self.rest_changes(index) {
+                let change = self.on_tendon(&format!("{name}.rest"), &name);
+                self.actuators.push((change.gain(stiffness), 0.0));
+                changing.push(strand.name.as_str());
+            }
+        }
+        self.warn_of(
+            "the natural length changes; the control `.rest` is how much longer (m) it is than at \
+             the start",
+            &changing,
+        );
+    }
+
+    /// Whether a strand's natural length depends on time or inputs.
+    fn rest_changes(&self, strand: usize) -> bool {
+        let mechanism = self.mechanism;
+        if let Some(scenario) = self.start.scenario {
+            let scenario = &mechanism.scenarios[scenario];
+            let follows = |follow: &&(u32, Vec<u32>)| follow.1.contains(&(strand as u32));
+            if let Some((motion, _)) = scenario.follow.iter().rev().find(follows) {
+                let knots = &scenario.motions[*motion as usize].1;
+                return knots.windows(2).any(|pair| pair[0].0 != pair[1].0);
+            }
+        }
+        mechanism.strands[strand].rest.as_ref().is_some_and(|rest| varies(&reads(rest, 0)))
+    }
+}

@@ -1,0 +1,127 @@
+"""Compares strand lengths, moment arms, mass matrices and forces of handc with MuJoCo's.
+
+Usage: compare.py FOLDER [BOUND]
+
+FOLDER/poses.json holds what handc computed (SI units, coordinates in declaration order) and names
+the MJCF file of every model. Prints one line for each model with the largest relative differences;
+exit code 1 if one exceeds BOUND (default 1e-10). What a difference is relative to:
+
+- of a length, the length;
+- of a moment arm, the largest arm of that strand at that pose;
+- of an entry (i, j) of the mass matrix, sqrt(M_ii * M_jj);
+- of a generalized force at rest (springs, strands, gravity, torques, forces), the largest one at
+  that pose; models with a force that MJCF cannot say have none.
+"""
+
+import json
+import pathlib
+import sys
+
+import mujoco
+import numpy as np
+
+
+def coordinates_to_joints(model, names):
+    """The matrix that takes handc's coordinates to MuJoCo's positions.
+
+    It is a permutation but for screws, whose slide `NAME.advance` is a multiple of the hinge `NAME`:
+    the equality that couples them holds the pitch.
+    """
+    matrix = np.zeros((model.nv, len(names)))
+    for column, name in enumerate(names):
+        matrix[model.joint(name).dofadr[0], column] = 1.0
+    for joint in range(model.njnt):
+        name = model.joint(joint).name
+        if name.endswith(".advance"):
+            column = names.index(name.removesuffix(".advance"))
+            pitch = model.equality(name).data[1]
+            matrix[model.joint(joint).dofadr[0], column] = pitch
+    return matrix
+
+
+def dense_moment_arms(model, data):
+    """d(tendon length)/d(position), tendons by rows."""
+    arms = np.zeros((model.ntendon, model.nv))
+    for tendon in range(model.ntendon):
+        first = model.ten_J_rowadr[tendon]
+        entries = slice(first, first + model.ten_J_rownnz[tendon])
+        arms[tendon, model.ten_J_colind[entries]] = data.ten_J[entries]
+    return arms
+
+
+class Worst:
+    """The largest of several numbers; none yet is None, and NaN is larger than all."""
+
+    def __init__(self):
+        self.value = None
+
+    def add(self, numbers):
+        largest = float(np.max(numbers))
+        if np.isnan(largest):
+            largest = float("inf")
+        self.value = largest if self.value is None else max(self.value, largest)
+
+    def exceeds(self, bound):
+        return self.value is not None and self.value > bound
+
+    def __str__(self):
+        return f"{'-':>9}" if self.value is None else f"{self.value:9.1e}"
+
+
+def differences(model, case):
+    """The largest relative differences over all poses: lengths, moment arms, masses, forces."""
+    data = mujoco.MjData(model)
+    # The controls of the start.
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    data.qvel[:] = 0.0
+    names = case["coordinates"]
+    joints = coordinates_to_joints(model, names)
+    strands = [model.tendon(name).id for name in case["strands"]]
+    free = [i for i, kinematic in enumerate(case["kinematic"]) if not kinematic]
+    lengths_worst, arms_worst, masses_worst, forces_worst = worst = [Worst() for _ in range(4)]
+    for pose in case["poses"]:
+        data.qpos[:] = joints @ np.array(pose["q"])
+        mujoco.mj_forward(model, data)
+        if free and pose["force"]:
+            own = np.array(pose["force"])
+            total = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
+            gap = np.abs(joints.T @ total - own)[free]
+            forces_worst.add(gap / max(np.abs(own[free]).max(), 1e-6))
+        if strands:
+            lengths = np.array(pose["lengths"])
+            lengths_worst.add(np.abs(data.ten_length[strands] - lengths) / np.abs(lengths))
+            arms = np.array(pose["arms"]).reshape(len(strands), len(names))
+            gap = np.abs(dense_moment_arms(model, data)[strands] @ joints - arms)
+            scale = np.abs(arms).max(axis=1, keepdims=True)
+            arms_worst.add(gap / np.where(scale > 1e-6 * lengths.max(), scale, lengths.max()))
+        if free:
+            full = np.zeros((model.nv, model.nv))
+            mujoco.mj_fullM(model, data, full)
+            own = np.array(pose["mass"]).reshape(len(names), len(names))
+            gap = np.abs(joints.T @ full @ joints - own)[np.ix_(free, free)]
+            size = np.sqrt(np.diag(own)[free])
+            # A coordinate that moves no matter has no scale of its own.
+            size[size == 0.0] = 1.0
+            masses_worst.add(gap / np.outer(size, size))
+    return worst
+
+
+def main():
+    folder = pathlib.Path(sys.argv[1])
+    bound = float(sys.argv[2]) if len(sys.argv) > 2 else 1e-10
+    cases = json.loads((folder / "poses.json").read_text())
+    failed = False
+    print(f"mujoco {mujoco.__version__}; largest relative differences, bound {bound:g}")
+    print(f"{'model':36} {'poses':>5} {'lengths':>9} {'arms':>9} {'masses':>9} {'forces':>9}")
+    for case in cases:
+        model = mujoco.MjModel.from_xml_path(str(folder / case["mjcf"]))
+        worst = differences(model, case)
+        wrong = any(one.exceeds(bound) for one in worst)
+        failed = failed or wrong
+        figures = " ".join(str(one) for one in worst)
+        print(f"{case['file']:36} {len(case['poses']):5} {figures}{'  WRONG' if wrong else ''}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
