@@ -2,7 +2,8 @@
 
 use handc::mjcf::export;
 use handc_core::simulation::Settings;
-use handc_tests::load::{mechanism, mechanism_of_text, models};
+use handc_tests::expected::expected;
+use handc_tests::load::{mechanism, mechanism_of_text, models, repository};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -39,7 +40,8 @@ model small {
 fn small_model() {
     let mechanism = mechanism_of_text("small", SMALL).unwrap_or_else(|said| panic!("{said}"));
     let made = export(&Arc::new(mechanism), &Settings::default()).expect("an export");
-    insta::assert_snapshot!("mjcf_of_a_small_model", made.text);
+    let path = repository("tests/tests/snapshots/exported_small.xml");
+    expected(&path, &made.text).unwrap_or_else(|wrong| panic!("{wrong}"));
 }
 
 #[test]
