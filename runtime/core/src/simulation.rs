@@ -92,7 +92,7 @@ impl<M: Model> Simulation<M> {
         }
         let start_moved = project(&mut model, &mut q, &driven).map_err(|(row, gap)| {
             RunError::Start(format!(
-                "the start cannot be moved onto the constraints: `{row}` stays {gap:.3e} away\n  \
+                "the start cannot be moved onto the constraints: `{row}` is {gap:.3e} away there\n  \
                  try: a start nearer to a closed configuration, or check that the constraints can \
                  all hold at once"
             ))

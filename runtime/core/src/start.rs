@@ -7,8 +7,8 @@ use crate::model::Model;
 /// The least change (Euclidean, over the free coordinates) that puts `q` on the constraints.
 ///
 /// Iterates q ← q* − Gᵀμ with G Gᵀμ = h(q) + G(q* − q), the Gauss-Newton form of: least ½|q − q*|²
-/// subject to h(q) = 0. Returns the largest change of a coordinate, or the name of the worst row and
-/// its gap where no such q is found.
+/// subject to h(q) = 0. Returns the largest change of a coordinate, or, where no such q is found, the
+/// name of the row that is worst at the start and its gap there: where the search ends is chance.
 pub fn project<M: Model>(
     model: &mut M,
     q: &mut [f64],
@@ -22,6 +22,8 @@ pub fn project<M: Model>(
     }
     let mut gap = vec![0.0; m];
     let mut jacobian = vec![0.0; layout.constraint_size()];
+    model.constraints(q, 0.0, &mut gap);
+    let found = worst(&layout, &gap);
     let mut previous = f64::INFINITY;
     for _ in 0..200 {
         model.constraints(q, 0.0, &mut gap);
@@ -43,7 +45,7 @@ pub fn project<M: Model>(
                 }
             }
             if gram.iter().chain(&rhs).any(|x| !x.is_finite()) {
-                return Err(worst(&layout, &gap));
+                return Err(found);
             }
             let mu = solve_least_norm(&gram, rows, rows, &rhs).x;
             for &(local, c) in &free {
@@ -61,7 +63,7 @@ pub fn project<M: Model>(
     model.constraints(q, 0.0, &mut gap);
     let largest = gap.iter().fold(0.0, |a: f64, x| if x.abs() <= a { a } else { x.abs() });
     if !(largest <= 1e-10 * layout.length_scale.max(1e-3)) {
-        return Err(worst(&layout, &gap));
+        return Err(found);
     }
     let moved = q.iter().zip(&target).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     // A start that misses by rounding alone is the start.
