@@ -1,0 +1,98 @@
+//! Like blocks: one set of equations where they differ in constants alone.
+//!
+//! Every block is looked at in its own numbering of coordinates, strands and inputs. Blocks whose
+//! expressions then agree but for constants and parameters are one [`Shape`]; what differs becomes
+//! an entry of a table. Blocks that agree only up to a term that vanishes in one of them stay apart.
+
+mod local;
+mod merger;
+
+use super::Task;
+use crate::graph::{Sym, substitute};
+use handc_runtime::structure::Structure;
+use local::Local;
+use merger::Merger;
+use std::collections::HashMap;
+
+/// Where the numbers of one block stand in the model's vectors.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BlockPlace {
+    /// Which block of the structure.
+    pub block: usize,
+    /// Its own coordinates, then the kinematic ones it reads.
+    pub coordinates: Vec<usize>,
+    /// Strands whose natural length or length it reads.
+    pub strands: Vec<usize>,
+    /// Inputs it reads.
+    pub inputs: Vec<usize>,
+}
+
+/// Like blocks.
+#[derive(Clone, Debug, Default)]
+pub struct Shape {
+    /// Coordinates of each block, kinematic ones not counted.
+    pub unknowns: usize,
+    /// The blocks.
+    pub places: Vec<BlockPlace>,
+    /// Constants of each block: made of numbers and parameters alone.
+    pub constants: Vec<Vec<Sym>>,
+}
+
+/// The tasks of all blocks become those of their shapes. `alike` holds them staged with unknowns
+/// where like blocks differ, and the values of those unknowns.
+pub(super) fn merge(
+    tasks: &[Task],
+    alike: &[Task],
+    unknowns: &HashMap<Sym, Sym>,
+    structure: &Structure,
+) -> (Vec<Shape>, Vec<Task>) {
+    let count = structure.blocks.len();
+    let by_itself: Vec<Local> = (0..count).map(|b| Local::new(b, tasks, structure)).collect();
+    let blocks: Vec<Local> = (0..count).map(|b| Local::new(b, alike, structure)).collect();
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for block in 0..count {
+        match groups.iter_mut().find(|g| blocks[g[0]].skeleton == blocks[block].skeleton) {
+            Some(group) => group.push(block),
+            None => groups.push(vec![block]),
+        }
+    }
+    let (mut shapes, mut merged) = (Vec::new(), Vec::new());
+    let mut add = |group: &[usize], from: &[Local]| {
+        let members: Vec<&Local> = group.iter().map(|&block| &from[block]).collect();
+        let Some((mut shape, tasks)) = Merger::merge(&members, shapes.len()) else { return false };
+        for list in &mut shape.constants {
+            *list = substitute(list, unknowns);
+        }
+        shapes.push(shape);
+        merged.extend(tasks);
+        true
+    };
+    for group in groups {
+        // Equal by hash alone, or single: each block by itself.
+        if group.len() < 2 || !add(&group, &blocks) {
+            for block in group {
+                add(&[block], &by_itself);
+            }
+        }
+    }
+    (shapes, merged)
+}
+
+/// What names of like things have in common: `mcp` of `index.mcp` and `ring.mcp`.
+pub fn shared(names: &[&str]) -> String {
+    let first = names[0];
+    if names.iter().all(|name| *name == first) {
+        return first.to_owned();
+    }
+    let parts: Vec<Vec<&str>> = names.iter().map(|name| name.split('.').collect()).collect();
+    let mut count = 0;
+    while parts.iter().all(|p| p.len() > count + 1)
+        && parts.iter().all(|p| p[p.len() - 1 - count] == parts[0][parts[0].len() - 1 - count])
+    {
+        count += 1;
+    }
+    match count {
+        0 => first.to_owned(),
+        _ => parts[0][parts[0].len() - count..].join("."),
+    }
+}
