@@ -1,0 +1,135 @@
+//! Blocks of the step equations: which coordinates a step couples.
+
+use super::Structure;
+use crate::expression::{Function, Variable};
+use crate::mechanism::{ConstraintKind, Mechanism};
+use crate::resolved::constraint_points;
+use handc_core::layout::Block;
+
+impl Structure {
+    /// Coordinates that a function of the state moves with.
+    pub fn function_coordinates(&self, function: &Function) -> Vec<usize> {
+        let mut coordinates = Vec::new();
+        for variable in &function.gradient {
+            match *variable {
+                Variable::Coordinate(i) | Variable::Rate(i) => coordinates.push(i as usize),
+                Variable::Length(s) => {
+                    coordinates.extend(&self.strands[s as usize].coordinates);
+                }
+                _ => {}
+            }
+        }
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        coordinates
+    }
+
+    /// Coordinates that each row of a constraint moves with.
+    pub fn constraint_coordinates(&self, kind: &ConstraintKind) -> Vec<usize> {
+        let mut coordinates = match kind {
+            ConstraintKind::Equation(function) => self.function_coordinates(function),
+            other => constraint_points(other)
+                .iter()
+                .flat_map(|point| self.chain_coordinates(point.link))
+                .collect(),
+        };
+        coordinates.sort_unstable();
+        coordinates.dedup();
+        coordinates
+    }
+
+    pub(super) fn find_blocks(&mut self, mechanism: &Mechanism) {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for link in 0..self.count {
+            if self.has_mass_below[link] {
+                groups.push(self.chain_coordinates(Some(link as u32)));
+            }
+        }
+        groups.extend(self.strands.iter().map(|s| s.coordinates.clone()));
+        for torque in &mechanism.torques {
+            let mut group = self.function_coordinates(&torque.value);
+            group.push(torque.coordinate as usize);
+            groups.push(group);
+        }
+        for force in &mechanism.forces {
+            let mut group = self.chain_coordinates(force.point.link);
+            group.extend(self.chain_coordinates(force.axes));
+            for component in &force.value {
+                group.extend(self.function_coordinates(component));
+            }
+            groups.push(group);
+        }
+        let rows: Vec<Vec<usize>> =
+            mechanism.constraints.iter().map(|c| self.constraint_coordinates(&c.kind)).collect();
+        let unconstrained = groups.len();
+        groups.extend(rows.iter().cloned());
+        let dynamic: Vec<bool> = mechanism.coordinates.iter().map(|c| c.drive.is_none()).collect();
+        for group in &mut groups {
+            group.retain(|&c| dynamic[c]);
+        }
+        let root = components(self.count, &groups);
+        let part_root = components(self.count, &groups[..unconstrained]);
+        let mut block_of_root = vec![usize::MAX; self.count];
+        for coordinate in (0..self.count).filter(|&c| dynamic[c]) {
+            let block = &mut block_of_root[root[coordinate]];
+            if *block == usize::MAX {
+                *block = self.blocks.len();
+                self.blocks.push(Block {
+                    coordinates: Vec::new(),
+                    rows: Vec::new(),
+                    parts: Vec::new(),
+                    matrix_offset: 0,
+                    constraint_offset: 0,
+                });
+            }
+            let members = &mut self.blocks[*block].coordinates;
+            self.slots[coordinate] = Some((*block, members.len()));
+            members.push(coordinate);
+        }
+        for (constraint, coordinates) in rows.iter().enumerate() {
+            let Some(first) = coordinates.iter().find(|&&c| dynamic[c]) else { continue };
+            let block = block_of_root[root[*first]];
+            for row in self.first_row[constraint]..self.first_row[constraint + 1] {
+                self.row_slots[row] = Some((block, self.blocks[block].rows.len()));
+                self.blocks[block].rows.push(row);
+            }
+        }
+        let (mut matrix_offset, mut constraint_offset) = (0, 0);
+        for block in &mut self.blocks {
+            let mut roots: Vec<usize> = Vec::new();
+            for (local, &coordinate) in block.coordinates.iter().enumerate() {
+                let root = part_root[coordinate];
+                match roots.iter().position(|&r| r == root) {
+                    Some(part) => block.parts[part].push(local),
+                    None => {
+                        roots.push(root);
+                        block.parts.push(vec![local]);
+                    }
+                }
+            }
+            block.matrix_offset = matrix_offset;
+            block.constraint_offset = constraint_offset;
+            matrix_offset += block.coordinates.len() * block.coordinates.len();
+            constraint_offset += block.coordinates.len() * block.rows.len();
+        }
+    }
+}
+
+/// Connected components of coordinates that share a group: a representative per coordinate.
+fn components(count: usize, groups: &[Vec<usize>]) -> Vec<usize> {
+    let mut parent: Vec<usize> = (0..count).collect();
+    fn find(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    for group in groups {
+        for pair in group.windows(2) {
+            let (a, b) = (find(&mut parent, pair[0]), find(&mut parent, pair[1]));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    (0..count).map(|i| find(&mut parent, i)).collect()
+}
