@@ -61,8 +61,18 @@ fn the_runner_does_as_the_interpreter_does() {
     assert_eq!(run(&["--scenario", "match", "--step=-1"]).code, 2);
     assert_eq!(run(&["--scenario", "match", "--out", "no/folder/a.csv"]).code, 3);
     assert_eq!(run(&["--help"]).code, 0);
-    let copies = run(&["--scenario", "match", "--instances", "5", "--spread", "k=1:2"]);
+    // Five copies: four together and one by itself.
+    let spread = ["--scenario", "match", "--instances", "5", "--spread", "k=1:2", "--spread"];
+    let spread = [&spread[..], &["start=1e-3", "--out"]].concat();
+    let copies = run(&[&spread[..], &["compiled.csv"]].concat());
     assert_eq!((copies.code, figures(&copies)), (0, 500), "{}", copies.err);
+    handc(&here, &[&["run", "m.hdl"], &spread[..], &["interpreted.csv"]].concat());
+    let [(header, rows), (expected, numbers)] =
+        ["compiled.csv", "interpreted.csv"].map(|file| table(&here.read(file)));
+    assert_eq!((header, rows.len()), (expected, 5));
+    for (a, b) in rows.iter().flatten().zip(numbers.iter().flatten()) {
+        assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "copies: {a} and {b}");
+    }
 }
 
 #[test]

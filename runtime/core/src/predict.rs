@@ -5,8 +5,8 @@
 //! in the step before. The degree that has lately missed least foretells the next step: a smooth
 //! motion is foretold by the highest, a jerky one by the lowest.
 
-use crate::lane::Lane;
 use crate::lane::sweep::{Sweep, sweep};
+use crate::lane::{Lane, WIDEST};
 
 /// Highest degree.
 pub(crate) const DEGREES: usize = 4;
@@ -50,17 +50,14 @@ impl Predictor {
     /// Takes the increment of step number `step` (from zero) into the differences.
     pub(crate) fn learn(&mut self, step: usize, delta: &[f64], differences: &mut Differences) {
         let mut learn =
-            Learn { weight: &self.weight, delta, differences, missed: [0.0; DEGREES * WIDTH] };
+            Learn { weight: &self.weight, delta, differences, missed: [0.0; DEGREES * WIDEST] };
         sweep(delta.len(), &mut learn);
-        for (k, missed) in learn.missed.chunks_exact(WIDTH).enumerate().take(step) {
+        for (k, missed) in learn.missed.chunks_exact(WIDEST).enumerate().take(step) {
             let faded = if k + 1 < step { 0.5 * self.missed[k] } else { 0.0 };
             self.missed[k] = missed.iter().sum::<f64>() + faded;
         }
     }
 }
-
-/// Lanes of the widest vector.
-const WIDTH: usize = 4;
 
 struct Guess<'a> {
     terms: &'a [Vec<f64>],
@@ -82,7 +79,7 @@ struct Learn<'a> {
     weight: &'a [f64],
     delta: &'a [f64],
     differences: &'a mut Differences,
-    missed: [f64; DEGREES * WIDTH],
+    missed: [f64; DEGREES * WIDEST],
 }
 
 impl Sweep for Learn<'_> {
@@ -95,7 +92,7 @@ impl Sweep for Learn<'_> {
             let next = difference - L::load(place);
             difference.store(place);
             difference = next;
-            let (size, missed) = (next * weight, &mut self.missed[k * WIDTH..]);
+            let (size, missed) = (next * weight, &mut self.missed[k * WIDEST..]);
             size.mul_add(size, L::load(missed)).store(missed);
         }
     }

@@ -20,6 +20,9 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
+/// Lanes of the widest vector.
+pub(crate) const WIDEST: usize = 4;
+
 /// Something to be done with as many lanes as the processor has.
 pub(crate) trait Work {
     /// Does it. To be inlined: only inside [`call`] is code made of the vector's instructions.

@@ -7,6 +7,7 @@
 mod lengths;
 mod step;
 
+use crate::lane::WIDEST;
 use crate::shape::{Place, Shape};
 pub(crate) use lengths::LaneLengths;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,11 +16,8 @@ pub(crate) use step::{LaneRun, LaneStep};
 /// Runs that go together at most.
 pub const RUNS: usize = 4;
 
-/// Lanes of the widest vector.
-const WIDTH: usize = 4;
-
 /// A run and a block for every lane.
-type Jobs = [(usize, usize); WIDTH];
+type Jobs = [(usize, usize); WIDEST];
 
 /// A stamp that has not been given before, for parameters that have changed.
 pub fn next_revision() -> u64 {
@@ -109,8 +107,8 @@ impl<'b> Schedule<'b> {
         let lanes = runs * places.len();
         let mut first = 0;
         while first < lanes && !self.unavailable {
-            let mut jobs = [(0, 0); WIDTH];
-            let used = WIDTH.min(lanes - first);
+            let mut jobs = [(0, 0); WIDEST];
+            let used = WIDEST.min(lanes - first);
             for (lane, job) in jobs.iter_mut().enumerate() {
                 // Lanes that are left over repeat the last job.
                 let number = first + lane.min(used - 1);
@@ -143,7 +141,7 @@ fn vector<
     places: &[Place<Q, S, U>],
     constants: &impl Fn(usize) -> &'c [f64],
 ) -> Vec<f64> {
-    let mut vector = Vec::with_capacity((Sh::CONSTANTS + N) * WIDTH);
+    let mut vector = Vec::with_capacity((Sh::CONSTANTS + N) * WIDEST);
     for k in 0..Sh::CONSTANTS {
         vector.extend(jobs.iter().map(|&(run, block)| constants(run)[block * Sh::CONSTANTS + k]));
     }
