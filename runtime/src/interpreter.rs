@@ -3,9 +3,10 @@
 //! A generated crate answers the same trait with straight-line code; this file is what it must
 //! agree with.
 
+use crate::dual::Dual;
 use crate::expression::{Program, Variable};
 use crate::mechanics::{At, Mechanics, Workspace};
-use crate::mechanism::{Mechanism, Number};
+use crate::mechanism::{Mechanism, Number, Point};
 use crate::resolved::Resolved;
 use crate::structure::Structure;
 use crate::vector::Transform;
@@ -56,6 +57,45 @@ impl Interpreter {
     pub fn moment_arms(&mut self, q: &[f64], length_dq: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();
         mechanics.moment_arms(workspace, q, length_dq);
+    }
+    /// Tensions of all strands at rest in q, with the given natural lengths (N), length s.
+    pub fn strand_tensions(&mut self, q: &[f64], rest: &[f64], tensions: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.strand_tensions(workspace, q, rest, tensions);
+    }
+    /// Motion of a point fixed in a link (rows 0 to 2) and turning of the link (rows 3 to 5) by every
+    /// coordinate, in world axes, 6 × n by rows.
+    pub fn point_jacobian(&mut self, q: &[f64], point: &Point, jacobian: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.point_jacobian(workspace, q, point, jacobian);
+    }
+    /// How the constraint force Dhᵀλ changes with the coordinates at q, Σλ_r ∂²h_r/∂q², n × n.
+    /// Exact, by dual numbers; not on a step's path.
+    pub fn constraint_curvature(&self, q: &[f64], t: f64, lambda: &[f64]) -> Vec<f64> {
+        let n = q.len();
+        let mut curvature = vec![0.0; n * n];
+        let params: Vec<Dual<f64>> = self.numbers.params.iter().map(|&p| Dual::fixed(p)).collect();
+        let numbers = Resolved::new(&self.mechanism, &params);
+        let mechanics =
+            Mechanics { mechanism: &self.mechanism, structure: &self.structure, numbers: &numbers };
+        let mut workspace = Workspace::new(&self.structure);
+        let mut jacobian = vec![Dual::fixed(0.0); self.layout.constraint_size()];
+        let mut at: Vec<Dual<f64>> = q.iter().map(|&q| Dual::fixed(q)).collect();
+        for j in 0..n {
+            at[j].slope = 1.0;
+            mechanics.constraint_jacobian(&mut workspace, &at, Dual::fixed(t), &mut jacobian);
+            at[j].slope = 0.0;
+            for block in &self.layout.blocks {
+                let width = block.coordinates.len();
+                for (row, &r) in block.rows.iter().enumerate() {
+                    for (column, &i) in block.coordinates.iter().enumerate() {
+                        let entry = jacobian[block.constraint_offset + row * width + column];
+                        curvature[i * n + j] += lambda[r] * entry.slope;
+                    }
+                }
+            }
+        }
+        curvature
     }
     /// Transforms `world_from_frame` of the named frames, in the mechanism's order.
     pub fn frame_poses(&mut self, q: &[f64]) -> Vec<Transform<f64>> {

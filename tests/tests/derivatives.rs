@@ -7,10 +7,12 @@ mod oracle;
 
 use handc_core::scalar::Scalar;
 use handc_runtime::dual::Dual;
+use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanics::At;
-use handc_runtime::mechanism::{Mechanism, Number};
+use handc_runtime::mechanism::{Mechanism, Number, Point};
 use handc_tests::load;
 use oracle::{Noise, Oracle, Place, fixed, seeded};
+use std::sync::Arc;
 
 const TOLERANCE: f64 = 1e-12;
 
@@ -197,6 +199,64 @@ fn constraint_jacobian() {
             }
         }
         compare("constraint Jacobian", &oracle.mechanism.name, rows, &found, &expected)
+    });
+}
+
+#[test]
+fn point_jacobians() {
+    everywhere("Jacobians of frames", |oracle, place| {
+        let n = place.q.len();
+        let mut worst: f64 = 0.0;
+        for (index, frame) in oracle.mechanism.frames.iter().enumerate() {
+            let point = Point { link: frame.link, position: frame.link_from_frame.translation };
+            let mut found = vec![0.0; 6 * n];
+            oracle.kernels(|mechanics, workspace| {
+                mechanics.point_jacobian(workspace, &place.q, &point, &mut found);
+            });
+            let mut expected = vec![0.0; 6 * n];
+            for j in 0..n {
+                let q = seeded(&place.q, j);
+                let pose = oracle
+                    .kernels(|mechanics, workspace| mechanics.frame_poses(workspace, &q)[index]);
+                for axis in 0..3 {
+                    expected[axis * n + j] = pose.translation.0[axis].slope;
+                    // ω is the axis of Ṙ Rᵀ.
+                    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+                    expected[(3 + axis) * n + j] = (0..3)
+                        .map(|k| pose.rotation.0[v][k].slope * pose.rotation.0[u][k].value)
+                        .sum();
+                }
+            }
+            let name = format!("{}, {}", oracle.mechanism.name, frame.name);
+            worst = worst.max(compare("motion", &name, 3 * n, &found, &expected));
+        }
+        worst
+    });
+}
+
+#[test]
+fn constraint_curvature() {
+    everywhere("curvature of constraints", |oracle, place| {
+        let (n, rows) = (place.q.len(), oracle.structure.row_slots.len());
+        let lambda: Vec<f64> = (0..rows).map(|r| 1.0 + (r as f64).sin()).collect();
+        let interpreter = Interpreter::new(Arc::new(oracle.mechanism.clone()));
+        let found = interpreter.constraint_curvature(&place.q, 0.3, &lambda);
+        let mut expected = vec![0.0; n * n];
+        let moves = |i: usize| oracle.structure.slots[i].is_some();
+        for i in (0..n).filter(|&i| moves(i)) {
+            for j in 0..n {
+                let mut q: Vec<Dual<Dual<f64>>> =
+                    seeded(&place.q, i).into_iter().map(Dual::fixed).collect();
+                q[j].slope = Dual::fixed(1.0);
+                let mut values = vec![Dual::zero(); rows];
+                oracle.kernels(|mechanics, workspace| {
+                    mechanics.constraints(workspace, &q, Dual::constant(0.3), &mut values);
+                });
+                let sum = values.iter().zip(&lambda).map(|(h, l)| h.slope.slope * l);
+                expected[i * n + j] = sum.sum();
+            }
+        }
+        compare("curvature", &oracle.mechanism.name, n * n, &found, &expected)
     });
 }
 

@@ -6,7 +6,6 @@
 
 mod body;
 mod coordinate;
-mod linear;
 mod pose;
 mod route;
 

@@ -1,13 +1,13 @@
 //! Each scenario at its start: constraints that depend on each other, and steps too long for the
 //! stiffest vibration.
 
-use super::linear::Linear;
 use super::{Context, settings};
 use handc_core::error::RunError;
 use handc_core::model::Model;
 use handc_core::simulation::{Settings, Simulation};
 use handc_dsl::diagnostic::Diagnostic;
 use handc_dsl::source::Span;
+use handc_runtime::analysis::linear::{Held, Linear};
 use handc_runtime::analysis::modes::{Mode, modes};
 use std::collections::BTreeSet;
 
@@ -60,7 +60,8 @@ fn look(
     let (rest, inputs) = (simulation.rest().to_vec(), simulation.inputs().to_vec());
     let driven = simulation.driven().to_vec();
     context.interpreter = simulation.model;
-    let linear = Linear::at(context, &q, &rest, &inputs, &driven);
+    let held = Held { t: 0.0, rest: &rest, inputs: &inputs, driven: &driven };
+    let linear = Linear::at(&mut context.interpreter, &q, &held);
     let rank = linear.rank();
     redundant(context, &linear, &rank.dependencies, &q, said, found);
     let Some(step) = step else { return };
@@ -94,7 +95,8 @@ fn redundant(
         }
         let rest = vec![0.0; context.mechanism.strands.len()];
         let inputs = vec![0.0; context.mechanism.inputs.len()];
-        let there = Linear::at(context, &near, &rest, &inputs, &driven);
+        let held = Held { t: 0.0, rest: &rest, inputs: &inputs, driven: &driven };
+        let there = Linear::at(&mut context.interpreter, &near, &held);
         m - there.rank().rank >= dependencies.len()
     });
     if !everywhere {

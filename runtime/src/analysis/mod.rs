@@ -3,5 +3,8 @@
 //!
 //! Dense decompositions of faer and nalgebra; nothing here is on a step's path.
 
+pub mod equilibrium;
+pub mod linear;
 pub mod modes;
 pub mod rank;
+pub mod tangent;

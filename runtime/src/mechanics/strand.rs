@@ -144,4 +144,18 @@ impl<S: Scalar> Mechanics<'_, S> {
             }
         }
     }
+
+    /// Tensions of all strands at q with the given natural lengths (N).
+    pub fn strand_tensions(
+        &self,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        rest: &[S],
+        tensions: &mut [S],
+    ) {
+        self.strand_lengths(workspace, q, tensions);
+        for (index, tension) in tensions.iter_mut().enumerate() {
+            *tension = self.numbers.strands[index].stiffness * (*tension - rest[index]);
+        }
+    }
 }

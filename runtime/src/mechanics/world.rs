@@ -1,6 +1,7 @@
 //! World transforms of links, and the motion of points fixed in them.
 
 use super::{Mechanics, Workspace};
+use crate::mechanism::Point;
 use crate::resolved::{Axis, Joint};
 use crate::vector::{Mat3, Transform, Vec3};
 use handc_core::scalar::Scalar;
@@ -140,6 +141,32 @@ impl<S: Scalar> Mechanics<'_, S> {
         self.prepare(workspace, q);
         self.world_links(workspace, q, |_| true);
         workspace.world.iter().map(|link| link.transform).collect()
+    }
+
+    /// The geometric Jacobian of a point fixed in a link, 6 × n by rows in world axes: the motion
+    /// ∂p/∂q of the point (m/rad or 1), then the turning of its link (rad/rad or rad/m).
+    pub fn point_jacobian(
+        &self,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        point: &Point,
+        jacobian: &mut [S],
+    ) {
+        self.prepare(workspace, q);
+        let chain = self.structure.chain(point.link);
+        self.world_links(workspace, q, |link| chain.contains(&(link as u32)));
+        jacobian.fill(S::zero());
+        let position = self.numbers.vector(&point.position);
+        let position = self.world_from(workspace, point.link).point(position);
+        for &link in &chain {
+            let column = self.structure.coordinate_of[link as usize];
+            let motion = self.point_dq(workspace, link, position);
+            let angular = workspace.world[link as usize].angular;
+            for axis in 0..3 {
+                jacobian[axis * self.structure.count + column] = motion.0[axis];
+                jacobian[(3 + axis) * self.structure.count + column] = angular.0[axis];
+            }
+        }
     }
 
     /// Transforms `world_from_frame` of the model's named frames, in order.

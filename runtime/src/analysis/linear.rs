@@ -1,47 +1,61 @@
-//! The model linearised at a configuration: mass, stiffness, constraints.
+//! The model linearised at a configuration at rest: force, mass, stiffness, constraints.
 
-use super::Context;
+use super::rank::{Rank, rank};
 use handc_core::model::{Midpoint, Model};
-use handc_runtime::analysis::rank::{Rank, rank};
 
-/// Matrices over all coordinates, dense by rows.
-pub(super) struct Linear {
-    pub(super) n: usize,
-    pub(super) mass: Vec<f64>,
-    pub(super) stiffness: Vec<f64>,
+/// The step for which stiffness is all of the Newton matrix −M/h + ½F_v + (h/4)(L_qq + F_q) that
+/// rounding leaves; a power of two, by which nothing is rounded.
+const LONG_STEP: f64 = (1u64 << 50) as f64;
+
+/// What stays as it is while the configuration varies.
+#[derive(Clone, Copy, Debug)]
+pub struct Held<'a> {
+    /// Time (s), for what is given as a function of it.
+    pub t: f64,
+    /// Natural length of every strand (m), length s.
+    pub rest: &'a [f64],
+    /// Value of every input, length u.
+    pub inputs: &'a [f64],
+    /// Coordinates whose value is given, length n.
+    pub driven: &'a [bool],
+}
+
+/// Vectors and matrices over all coordinates, dense by rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linear {
+    /// Coordinates.
+    pub n: usize,
+    /// Generalised force f at rest (N·m or N), length n: all but that of the constraints.
+    pub force: Vec<f64>,
+    /// Mass matrix, n × n.
+    pub mass: Vec<f64>,
+    /// Stiffness −∂f/∂q at rest, n × n.
+    pub stiffness: Vec<f64>,
     /// Constraint Jacobian, m × n; columns of driven coordinates are zero.
-    pub(super) constraints: Vec<f64>,
-    pub(super) free: Vec<bool>,
+    pub constraints: Vec<f64>,
+    /// Coordinates that move.
+    pub free: Vec<bool>,
 }
 
 impl Linear {
-    /// At q, with natural lengths and inputs given; `driven` coordinates do not move.
-    pub(super) fn at(
-        context: &mut Context,
-        q: &[f64],
-        rest: &[f64],
-        inputs: &[f64],
-        driven: &[bool],
-    ) -> Linear {
-        let layout = context.interpreter.layout().clone();
-        let n = q.len();
-        let model = &mut context.interpreter;
+    /// Linearises at q.
+    pub fn at<M: Model>(model: &mut M, q: &[f64], held: &Held) -> Linear {
+        let layout = model.layout().clone();
+        let (n, m) = (q.len(), layout.rows.len());
         let mut packed_mass = vec![0.0; layout.matrix_size()];
         let mut packed = packed_mass.clone();
         model.mass_matrix(q, &mut packed_mass);
-        // With v = 0 the Newton matrix is −M/h − (h/4)K − ½C; a long step leaves the stiffness.
-        let h = 1.0;
         let zero = vec![0.0; n];
         let (mut momentum, mut force) = (zero.clone(), zero.clone());
-        let at = Midpoint { q, v: &zero, t: 0.0, rest, inputs };
-        model.evaluate_with_matrix(&at, h, &mut momentum, &mut force, &mut packed);
+        let at = Midpoint { q, v: &zero, t: held.t, rest: held.rest, inputs: held.inputs };
+        model.evaluate_with_matrix(&at, LONG_STEP, &mut momentum, &mut force, &mut packed);
         let mut packed_constraints = vec![0.0; layout.constraint_size()];
-        if !layout.rows.is_empty() {
-            model.constraint_jacobian(q, 0.0, &mut packed_constraints);
+        if m > 0 {
+            model.constraint_jacobian(q, held.t, &mut packed_constraints);
         }
-        let m = layout.rows.len();
         let mut linear = Linear {
             n,
+            force,
             mass: vec![0.0; n * n],
             stiffness: vec![0.0; n * n],
             constraints: vec![0.0; m * n],
@@ -50,17 +64,16 @@ impl Linear {
         for block in &layout.blocks {
             let width = block.coordinates.len();
             for (i, &row) in block.coordinates.iter().enumerate() {
-                linear.free[row] = !driven[row];
+                linear.free[row] = !held.driven[row];
                 for (k, &column) in block.coordinates.iter().enumerate() {
                     let slot = block.matrix_offset + i * width + k;
                     linear.mass[row * n + column] = packed_mass[slot];
-                    linear.stiffness[row * n + column] =
-                        -(packed[slot] + packed_mass[slot] / h) * 4.0 / h;
+                    linear.stiffness[row * n + column] = -packed[slot] * (4.0 / LONG_STEP);
                 }
             }
             for (i, &row) in block.rows.iter().enumerate() {
                 for (k, &column) in block.coordinates.iter().enumerate() {
-                    if !driven[column] {
+                    if !held.driven[column] {
                         linear.constraints[row * n + column] =
                             packed_constraints[block.constraint_offset + i * width + k];
                     }
@@ -71,7 +84,7 @@ impl Linear {
     }
 
     /// Rank of the constraints and the directions they leave free.
-    pub(super) fn rank(&self) -> Rank {
+    pub fn rank(&self) -> Rank {
         let m = self.constraints.len() / self.n.max(1);
         let mut found = rank(&self.constraints, m, self.n);
         // Driven coordinates are not directions.
