@@ -6,7 +6,7 @@ use handc_core::simulation::{Settings, Simulation};
 use handc_dsl::hir;
 use handc_runtime::analysis::rank::rank;
 use handc_runtime::interpreter::Interpreter;
-use handc_runtime::mechanism::{Mechanism, Motion};
+use handc_runtime::mechanism::{Law, Mechanism, Motion, Strand};
 use handc_runtime::resolved::Resolved;
 use std::fmt::Write;
 use std::sync::Arc;
@@ -133,7 +133,7 @@ fn strands(
     interpreter.strand_lengths(&q, &mut lengths);
     let mut arms = vec![0.0; mechanism.strands.len() * n];
     interpreter.moment_arms(&q, &mut arms);
-    let _ = writeln!(text, "\nstrands: stiffness, length at the start, moment arms there");
+    let _ = writeln!(text, "\nstrands: law, length at the start, moment arms there");
     for (i, strand) in mechanism.strands.iter().enumerate() {
         let arms: Vec<String> = (0..n)
             .filter(|&c| arms[i * n + c] != 0.0)
@@ -148,12 +148,22 @@ fn strands(
             .collect();
         let _ = writeln!(
             text,
-            "  {:<24} {:>8.1} N/m {:>9.2} mm   {}",
+            "  {:<24} {:>12} {:>9.2} mm   {}",
             strand.name,
-            numbers.strands[i].stiffness,
+            law(strand, numbers.strands[i].stiffness),
             lengths[i] * 1e3,
             arms.join(", ")
         );
+    }
+}
+
+/// The law of a strand in a word; its stiffness where that is all of it.
+fn law(strand: &Strand, stiffness: Option<f64>) -> String {
+    match (&strand.law, stiffness) {
+        (Law::Linear { .. }, Some(stiffness)) => format!("{stiffness:.1} N/m"),
+        (Law::Linear { .. } | Law::Energy(_), _) => "energy".to_string(),
+        (Law::Tension(_), _) => "tension".to_string(),
+        (Law::Prescribed, _) => "length".to_string(),
     }
 }
 

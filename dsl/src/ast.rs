@@ -278,7 +278,7 @@ pub enum DeclKind {
     /// `strand N { … }`
     Strand(Vec<PathOption>, Block),
     /// `node N at v in F { … }`
-    Node,
+    Node(Placement, Block),
     /// `constraint N: …;`
     Constraint(ConstraintKind),
     /// `torque N on JOINT = e;`

@@ -25,6 +25,34 @@ pub enum Variable {
     Length(u32),
     /// The multiplier of a constraint row by index (an impulse).
     Multiplier(u32),
+    /// What the strand whose law reads it does.
+    Own(Own),
+    /// What a strand by index does at an instant; only recorded columns read it.
+    Strand(StrandQuantity, u32),
+}
+
+/// What a strand's own law may read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Own {
+    /// Its length x (m).
+    Length,
+    /// Its natural length x₀ (m).
+    Rest,
+    /// Its rate ẋ (m/s).
+    Rate,
+}
+
+/// What a strand does at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum StrandQuantity {
+    /// Rate of its length ẋ (m/s).
+    Rate,
+    /// Its tension (N), of law and damping together.
+    Tension,
+    /// 1 where it pulls, 0 where it is slack, between them within the width of slack.
+    Taut,
+    /// Power that its damping takes (W).
+    Dissipation,
 }
 
 /// One operation; operands are positions of earlier operations in the same program.

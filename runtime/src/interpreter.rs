@@ -4,9 +4,9 @@
 //! agree with.
 
 use crate::dual::Dual;
-use crate::expression::{Program, Variable};
+use crate::expression::{Program, StrandQuantity, Variable};
 use crate::mechanics::{At, Mechanics, Workspace};
-use crate::mechanism::{Mechanism, Number, Point};
+use crate::mechanism::{Law, Mechanism, Number, Point};
 use crate::resolved::Resolved;
 use crate::structure::Structure;
 use crate::vector::Transform;
@@ -58,10 +58,16 @@ impl Interpreter {
         let (mechanics, workspace) = self.mechanics();
         mechanics.moment_arms(workspace, q, length_dq);
     }
-    /// Tensions of all strands at rest in q, with the given natural lengths (N), length s.
+    /// Tensions of all strands at rest in q, with the given natural lengths and the inputs of time
+    /// zero (N), length s.
     pub fn strand_tensions(&mut self, q: &[f64], rest: &[f64], tensions: &mut [f64]) {
-        let (mechanics, workspace) = self.mechanics();
-        mechanics.strand_tensions(workspace, q, rest, tensions);
+        let (v, mut inputs) = (vec![0.0; q.len()], vec![0.0; self.layout.inputs.len()]);
+        self.inputs(0.0, &mut inputs);
+        let mut states = vec![[0.0; 4]; tensions.len()];
+        self.strand_states(&Midpoint { q, v: &v, t: 0.0, rest, inputs: &inputs }, &mut states);
+        for (tension, state) in tensions.iter_mut().zip(states) {
+            *tension = state[StrandQuantity::Tension as usize];
+        }
     }
     /// Motion of a point fixed in a link (rows 0 to 2) and turning of the link (rows 3 to 5) by every
     /// coordinate, in world axes, 6 × n by rows.
@@ -118,6 +124,22 @@ impl Interpreter {
         (mechanics, &mut self.workspace)
     }
 
+    /// What every strand does at a state: four numbers in the order of [`StrandQuantity`]. The tension
+    /// of a strand whose length is prescribed is its multiplier over the step and zero here.
+    pub fn strand_states(&mut self, at: &Midpoint, states: &mut [[f64; 4]]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.strand_states(workspace, &point(at), states);
+    }
+
+    /// As [`Interpreter::strand_states`], at an instant of a run.
+    pub fn strand_states_at(&mut self, at: &Instant, states: &mut [[f64; 4]]) {
+        let Instant { q, v, t, rest, inputs, .. } = *at;
+        self.strand_states(&Midpoint { q, v, t, rest, inputs }, states);
+        for &(row, strand) in &self.structure.prescribed {
+            states[strand][StrandQuantity::Tension as usize] = at.lambda[row] / at.h;
+        }
+    }
+
     fn in_time(&mut self, program: &Program, t: f64, inputs: &[f64]) -> f64 {
         let params = &self.numbers.params;
         let read = |variable| match variable {
@@ -166,9 +188,9 @@ impl Model for Interpreter {
         let (mechanics, workspace) = self.mechanics();
         mechanics.evaluate(workspace, &point(at), momentum, force, Some((h, matrix)));
     }
-    fn constraints(&mut self, q: &[f64], t: f64, values: &mut [f64]) {
+    fn constraints(&mut self, q: &[f64], t: f64, rest: &[f64], values: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();
-        mechanics.constraints(workspace, q, t, values);
+        mechanics.constraints(workspace, q, t, rest, values);
     }
     fn constraint_jacobian(&mut self, q: &[f64], t: f64, jacobian: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();
@@ -240,6 +262,12 @@ impl Model for Interpreter {
             q[*coordinate as usize] = self.in_time(program, t, &[]);
         }
     }
+    fn scenario_rests(&mut self, scenario: usize, t: f64, rest: &mut [f64]) {
+        let mechanism = Arc::clone(&self.mechanism);
+        for (strand, program) in &mechanism.scenarios[scenario].lengths {
+            rest[*strand as usize] = self.in_time(program, t, &[]);
+        }
+    }
     fn scenario_records(&mut self, scenario: usize, at: &Instant, values: &mut [f64]) {
         let mechanism = Arc::clone(&self.mechanism);
         let records = &mechanism.scenarios[scenario].records;
@@ -247,6 +275,11 @@ impl Model for Interpreter {
         let mut lengths = vec![0.0; mechanism.strands.len()];
         if records.iter().any(|(_, program)| program.variables().iter().any(reads_length)) {
             self.strand_lengths(at.q, &mut lengths);
+        }
+        let reads_states = |variable: &Variable| matches!(variable, Variable::Strand(..));
+        let mut states = vec![[0.0; 4]; mechanism.strands.len()];
+        if records.iter().any(|(_, program)| program.variables().iter().any(reads_states)) {
+            self.strand_states_at(at, &mut states);
         }
         let params = &self.numbers.params;
         let read = |variable| match variable {
@@ -257,6 +290,8 @@ impl Model for Interpreter {
             Variable::Rate(i) => at.v[i as usize],
             Variable::Length(i) => lengths[i as usize],
             Variable::Multiplier(i) => at.lambda[i as usize],
+            Variable::Strand(quantity, i) => states[i as usize][quantity as usize],
+            Variable::Own(_) => f64::NAN,
         };
         for ((_, program), value) in records.iter().zip(values) {
             program.evaluate(read, &mut self.scratch);
@@ -279,16 +314,23 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
         coordinates: mechanism
             .coordinates
             .iter()
-            .map(|c| Coordinate {
+            .zip(&structure.is_static)
+            .map(|(c, &is_static)| Coordinate {
                 name: c.name.clone(),
                 kind: if c.is_length { CoordinateKind::Length } else { CoordinateKind::Angle },
                 kinematic: c.drive.is_some(),
+                is_static,
             })
             .collect(),
         strands: mechanism
             .strands
             .iter()
-            .map(|s| Strand { name: s.name.clone(), has_rest: s.rest.is_some() })
+            .map(|s| Strand {
+                name: s.name.clone(),
+                has_rest: s.rest.is_some(),
+                is_prescribed: s.law == Law::Prescribed,
+                actuator: s.actuator.map(|input| input as usize),
+            })
             .collect(),
         rows: mechanism
             .constraints

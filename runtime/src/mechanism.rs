@@ -6,7 +6,7 @@
 //! are kept one by one and lumped when numbers are resolved. A number is a constant or a function
 //! of the parameters ([`Number`]), so geometry and masses may be parameters too.
 
-use crate::expression::{Function, Program};
+use crate::expression::{Function, Own, Program, Variable};
 use serde::{Deserialize, Serialize};
 
 /// A constant, or an output of [`Mechanism::values`].
@@ -128,6 +128,8 @@ pub struct Coordinate {
     pub limit_stiffness: Number,
     /// Path as a function of time and parameters: the coordinate is kinematic.
     pub drive: Option<Program>,
+    /// Whether it is a translation of a node.
+    pub is_node: bool,
 }
 
 /// A moving body with one coordinate.
@@ -180,7 +182,24 @@ pub struct Point {
     pub position: NumberVector,
 }
 
-/// An elastic path, V = ½k(x − x₀)² with x the sum of the distances between its points.
+/// How a strand's tension follows from its length x and natural length x₀.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Law {
+    /// V = ½k(x − x₀)².
+    Linear {
+        /// Stiffness k (N/m).
+        stiffness: Number,
+    },
+    /// V(x, x₀): outputs V, ∂V/∂x and ∂²V/∂x² over [`Own`](crate::expression::Own) and parameters.
+    Energy(Program),
+    /// A commanded tension; its gradient is by the strand's own length and rate, by coordinates
+    /// and by rates.
+    Tension(Function),
+    /// None: a constraint prescribes the length, and its multiplier is the tension.
+    Prescribed,
+}
+
+/// An elastic path; its length x is the sum of the distances between its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Strand {
     /// Name.
@@ -191,10 +210,28 @@ pub struct Strand {
     pub doc: String,
     /// Points in order.
     pub points: Vec<Point>,
-    /// Stiffness k (N/m).
-    pub stiffness: Number,
+    /// Its tension.
+    pub law: Law,
+    /// Coefficient c of the damping force −c·ẋ along the strand (N·s/m).
+    pub damping: Number,
+    /// Width (m) over which it goes slack; `None` for one that can push.
+    pub slack: Option<Number>,
     /// Natural length as a function of time, parameters and inputs; `None`: the length at the start.
+    /// Of a prescribed strand, the length that it is to have.
     pub rest: Option<Program>,
+    /// The input that is its natural length where that is not left out, if it has one.
+    pub actuator: Option<u32>,
+}
+
+impl Strand {
+    /// Whether its tension depends on the rate of its length.
+    pub fn has_rate(&self) -> bool {
+        let in_law = match &self.law {
+            Law::Tension(function) => function.gradient.contains(&Variable::Own(Own::Rate)),
+            _ => false,
+        };
+        in_law || !self.damping.is_zero()
+    }
 }
 
 /// The form of a constraint.
@@ -217,6 +254,8 @@ pub enum ConstraintKind {
     },
     /// A function of coordinates, lengths, parameters and time.
     Equation(Function),
+    /// Length of a strand by index, less the one that is prescribed.
+    Length(u32),
 }
 
 /// A holonomic constraint.
@@ -296,6 +335,8 @@ pub struct Scenario {
     pub inputs: Vec<(u32, Program)>,
     /// Coordinates driven, as functions of time and parameters.
     pub drives: Vec<(u32, Program)>,
+    /// Lengths prescribed for strands, as functions of time and parameters.
+    pub lengths: Vec<(u32, Program)>,
     /// Poses: name, and the values that differ from the start.
     pub poses: Vec<(String, Vec<(u32, Number)>)>,
     /// Motions: name, and pose and time of each knot.

@@ -5,7 +5,7 @@
 
 use crate::expression::Variable;
 use crate::mechanism::{
-    ConstraintKind, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
+    ConstraintKind, Law, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
 };
 use crate::run::{ResolvedRun, find_runs};
 use crate::structure::{PathStep, path_between};
@@ -115,8 +115,12 @@ pub struct Lump<S> {
 /// A strand with its numbers: moving segments, and the length of those that do not move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedStrand<S> {
-    /// Stiffness.
-    pub stiffness: S,
+    /// Stiffness of a linear law.
+    pub stiffness: Option<S>,
+    /// Damping along the strand, if any.
+    pub damping: Option<S>,
+    /// Width over which it goes slack, if it does.
+    pub slack: Option<S>,
     /// Sum of the segments within one link.
     pub constant_length: S,
     /// The moving segments.
@@ -411,7 +415,16 @@ impl<S: Scalar> Resolved<S> {
                 segments.push(self.segment((&first, a), (&second, b)));
             }
         }
-        ResolvedStrand { stiffness: self.number(strand.stiffness), constant_length, segments }
+        ResolvedStrand {
+            stiffness: match strand.law {
+                Law::Linear { stiffness } => Some(self.number(stiffness)),
+                _ => None,
+            },
+            damping: (!strand.damping.is_zero()).then(|| self.number(strand.damping)),
+            slack: strand.slack.map(|width| self.number(width)),
+            constant_length,
+            segments,
+        }
     }
     fn coordinate(&self, c: &crate::mechanism::Coordinate) -> Option<ResolvedCoordinate<S>> {
         let some = |n: Number| (!n.is_zero()).then(|| self.number(n));
@@ -446,6 +459,6 @@ pub fn constraint_points(kind: &ConstraintKind) -> Vec<Point> {
             Point { link: *first, position: first_from_frame.translation },
             Point { link: *second, position: second_from_frame.translation },
         ],
-        ConstraintKind::Equation(_) => Vec::new(),
+        ConstraintKind::Equation(_) | ConstraintKind::Length(_) => Vec::new(),
     }
 }

@@ -93,6 +93,7 @@ pub fn place_of(leaf: Leaf) -> (&'static str, Option<usize>) {
         Leaf::Value(i) => ("values", i),
         Leaf::Lambda(i) => ("lambda", i),
         Leaf::Length(i) => ("lengths", i),
+        Leaf::Own(_) | Leaf::Strand(..) => unreachable!("staging replaces {leaf:?}"),
         Leaf::Constant(i) => ("constants", i),
     };
     (name, Some(index as usize))

@@ -2,6 +2,7 @@
 
 use super::symbol::Sym;
 use handc_core::scalar::Comparison;
+use handc_runtime::expression::{Own, StrandQuantity};
 
 /// A number that the graph does not know: what generated code reads from its arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -28,6 +29,10 @@ pub enum Leaf {
     Constant(u32),
     /// The length of a strand by index (m), opaque: for expressions that mention it.
     Length(u32),
+    /// What the strand whose law mentions it does, opaque as [`Leaf::Length`].
+    Own(Own),
+    /// What a strand by index does, opaque as [`Leaf::Length`].
+    Strand(StrandQuantity, u32),
 }
 
 /// Functions of one operand.

@@ -46,6 +46,8 @@ pub fn variable(leaf: Leaf) -> Option<Variable> {
         Leaf::Time => Variable::Time,
         Leaf::Lambda(i) => Variable::Multiplier(i),
         Leaf::Length(i) => Variable::Length(i),
+        Leaf::Own(own) => Variable::Own(own),
+        Leaf::Strand(quantity, i) => Variable::Strand(quantity, i),
         Leaf::Rest(_) | Leaf::Step | Leaf::Value(_) | Leaf::Constant(_) => return None,
     })
 }
@@ -60,6 +62,8 @@ pub fn leaf(variable: Variable) -> Leaf {
         Variable::Time => Leaf::Time,
         Variable::Multiplier(i) => Leaf::Lambda(i),
         Variable::Length(i) => Leaf::Length(i),
+        Variable::Own(own) => Leaf::Own(own),
+        Variable::Strand(quantity, i) => Leaf::Strand(quantity, i),
     }
 }
 

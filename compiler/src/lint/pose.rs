@@ -63,7 +63,7 @@ fn look(
     let held = Held { t: 0.0, rest: &rest, inputs: &inputs, driven: &driven };
     let linear = Linear::at(&mut context.interpreter, &q, &held);
     let rank = linear.rank();
-    redundant(context, &linear, &rank.dependencies, &q, said, found);
+    redundant(context, &linear, &rank.dependencies, (&q, &rest), said, found);
     let Some(step) = step else { return };
     let modes = modes(&linear.mass, &linear.stiffness, linear.n, &rank.null_space);
     if let Some(fastest) = modes.last() {
@@ -79,7 +79,7 @@ fn redundant(
     context: &mut Context,
     linear: &Linear,
     dependencies: &[Vec<(usize, f64)>],
-    q: &[f64],
+    (q, rest): (&[f64], &[f64]),
     said: &mut BTreeSet<String>,
     found: &mut Vec<Diagnostic>,
 ) {
@@ -90,7 +90,7 @@ fn redundant(
     let everywhere = super::route::poses(q).iter().skip(1).all(|pose| {
         let mut near = pose.clone();
         let driven: Vec<bool> = linear.free.iter().map(|free| !free).collect();
-        if handc_core::start::project(&mut context.interpreter, &mut near, &driven).is_err() {
+        if handc_core::start::project(&mut context.interpreter, &mut near, rest, &driven).is_err() {
             return true;
         }
         let rest = vec![0.0; context.mechanism.strands.len()];
@@ -159,7 +159,7 @@ fn too_fast(
     let stiffest = (0..count)
         .map(|s| {
             let stretch: f64 = (0..n).map(|i| arms[s * n + i] * mode.shape[i]).sum();
-            (s, numbers.strands[s].stiffness * stretch * stretch)
+            (s, numbers.strands[s].stiffness.unwrap_or(0.0) * stretch * stretch)
         })
         .max_by(|a, b| a.1.total_cmp(&b.1))
         .filter(|(_, share)| *share > 0.2 * mode.omega_squared);

@@ -3,7 +3,8 @@
 use super::Lowering;
 use crate::graph::{Leaf, Sym};
 use handc_core::scalar::{Comparison, Scalar};
-use handc_dsl::hir::{BinaryOp, Compare, Expr, ExprKind, Function};
+use handc_dsl::hir::{self, BinaryOp, Compare, Expr, ExprKind, Function};
+use handc_runtime::expression::{Own, StrandQuantity};
 
 impl Lowering<'_> {
     /// An expression as a symbol; everything in SI units.
@@ -16,6 +17,20 @@ impl Lowering<'_> {
             ExprKind::Coordinate(id) => Sym::leaf(Leaf::Q(id.0)),
             ExprKind::Rate(id) => Sym::leaf(Leaf::V(id.0)),
             ExprKind::Length(id) => Sym::leaf(Leaf::Length(id.0)),
+            ExprKind::Own(own) => Sym::leaf(Leaf::Own(match own {
+                hir::Own::Length => Own::Length,
+                hir::Own::Rest => Own::Rest,
+                hir::Own::Rate => Own::Rate,
+            })),
+            ExprKind::Strand(quantity, id) => {
+                let quantity = match quantity {
+                    hir::StrandQuantity::Rate => StrandQuantity::Rate,
+                    hir::StrandQuantity::Tension => StrandQuantity::Tension,
+                    hir::StrandQuantity::Taut => StrandQuantity::Taut,
+                    hir::StrandQuantity::Dissipation => StrandQuantity::Dissipation,
+                };
+                Sym::leaf(Leaf::Strand(quantity, id.0))
+            }
             ExprKind::Multiplier(id, row) => {
                 Sym::leaf(Leaf::Lambda(self.first_row[id.index()] + row))
             }

@@ -13,9 +13,9 @@ use crate::graph::{self, Leaf, Sym};
 use handc_core::scalar::Scalar;
 use handc_dsl::hir;
 use handc_dsl::source::{SourceMap, Span};
-use handc_runtime::expression::{Function, Program};
+use handc_runtime::expression::{Function, Own, Program};
 use handc_runtime::mechanism::{
-    Constraint, ConstraintKind, Coordinate, Force, Frame, Input, Link, Mechanism, Motion, Number,
+    Constraint, ConstraintKind, Coordinate, Force, Frame, Input, Law, Link, Mechanism, Motion, Number,
     NumberTransform, NumberVector, Param, Point, Strand, Torque,
 };
 use handc_runtime::vector::{Mat3, Transform, Vec3};
@@ -137,7 +137,10 @@ impl Lowering<'_> {
         let mut variables = Vec::new();
         let varying = graph::leaves(&[value])
             .into_iter()
-            .filter(|leaf| matches!(leaf, Leaf::Q(_) | Leaf::V(_) | Leaf::Length(_)));
+            .filter(|leaf| {
+                matches!(leaf, Leaf::Q(_) | Leaf::V(_) | Leaf::Length(_))
+                    || matches!(leaf, Leaf::Own(Own::Length | Own::Rate))
+            });
         for leaf in varying {
             let slope = graph::differentiate(value, Sym::leaf(leaf));
             if let (false, Some(variable)) = (slope.is_known_zero(), graph::variable(leaf)) {
@@ -237,6 +240,7 @@ impl Lowering<'_> {
             limits: c.limits.as_ref().map(|[low, high]| [self.number(low), self.number(high)]),
             limit_stiffness: self.number_or_zero(&c.limit_stiffness),
             drive: c.drive.as_ref().map(|drive| self.program(drive)),
+            is_node: self.model.joints[c.joint.index()].kind == hir::JointKind::Node,
         }
     }
 
@@ -264,7 +268,24 @@ impl Lowering<'_> {
             source: self.source(strand.name.span),
             doc: strand.name.doc.clone(),
             points: strand.path.iter().map(|point| self.point(point)).collect(),
-            stiffness: self.number(&strand.stiffness),
+            law: match &strand.law {
+                hir::Law::Stiffness(stiffness) => Law::Linear { stiffness: self.number(stiffness) },
+                hir::Law::Energy(energy) => {
+                    let energy = self.expr(energy);
+                    let x = Sym::leaf(Leaf::Own(Own::Length));
+                    let tension = graph::differentiate(energy, x);
+                    let slope = graph::differentiate(tension, x);
+                    Law::Energy(graph::to_program(&[energy, tension, slope]))
+                }
+                hir::Law::Tension(tension) => {
+                    let tension = self.expr(tension);
+                    Law::Tension(self.function(tension))
+                }
+                hir::Law::Prescribed(_) => Law::Prescribed,
+            },
+            damping: self.number_or_zero(&strand.damping),
+            slack: strand.slack.as_ref().map(|width| self.number(width)),
+            actuator: strand.actuator.map(|input| input.0),
             rest: strand.rest.as_ref().map(|rest| self.program(rest)),
         }
     }
@@ -306,6 +327,7 @@ impl Lowering<'_> {
                 let value = self.expr(left) - self.expr(right);
                 ConstraintKind::Equation(self.function(value))
             }
+            hir::ConstraintKind::Length(strand) => ConstraintKind::Length(strand.0),
         };
         Constraint {
             name: constraint.name.text.clone(),

@@ -30,6 +30,7 @@ impl Lowering<'_> {
             velocity,
             inputs: scenario.inputs.iter().map(|(id, e)| (id.0, self.program(e))).collect(),
             drives: scenario.drives.iter().map(|(id, e)| (id.0, self.program(e))).collect(),
+            lengths: scenario.lengths.iter().map(|(id, e)| (id.0, self.program(e))).collect(),
             poses,
             motions: scenario
                 .motions

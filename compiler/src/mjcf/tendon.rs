@@ -3,15 +3,21 @@
 use super::Exporter;
 use super::law::{reads, varies};
 use super::xml::Element;
+use handc_runtime::mechanism::Law;
 
 impl Exporter<'_> {
     /// Every strand; those with a natural length that changes get an actuator beside the spring.
     pub(super) fn strands(&mut self) {
         let mechanism = self.mechanism;
-        let mut changing = Vec::new();
+        let (mut changing, mut unsaid) = (Vec::new(), Vec::new());
         for (index, strand) in mechanism.strands.iter().enumerate() {
             let name = self.tendon_names.take(&strand.name);
-            let stiffness = self.numbers.strands[index].stiffness;
+            let numbers = &self.numbers.strands[index];
+            let stiffness = numbers.stiffness.unwrap_or(0.0);
+            if !matches!(strand.law, Law::Linear { .. }) {
+                unsaid.push(strand.name.as_str());
+            }
+            let (damping, is_slack) = (numbers.damping.unwrap_or(0.0), numbers.slack.is_some());
             let rest = self.start.rest[index];
             let mut path = Vec::new();
             for (number, point) in strand.points.iter().enumerate() {
@@ -19,11 +25,17 @@ impl Exporter<'_> {
                 path.push(Element::new("site").with("site", site));
             }
             // A length below zero would mean "the length at zero coordinates".
-            let spatial = Element::new("spatial")
+            let upper = rest.max(0.0);
+            // Between two lengths nothing pulls: from zero, a tendon that goes slack.
+            let range = [0.0, upper];
+            let mut spatial = Element::new("spatial")
                 .with("name", &name)
                 .with_numbers("stiffness", &[stiffness])
-                .with_numbers("springlength", &[rest.max(0.0)])
-                .with_children(path);
+                .with_numbers("springlength", if is_slack { &range } else { &range[1..] });
+            if damping != 0.0 {
+                spatial = spatial.with_numbers("damping", &[damping]);
+            }
+            let spatial = spatial.with_children(path);
             self.tendons.push(spatial);
             if rest < 0.0 {
                 let pull = self.on_tendon(&format!("{name}.pull"), &name);
@@ -35,6 +47,7 @@ impl Exporter<'_> {
                 changing.push(strand.name.as_str());
             }
         }
+        self.warn_of("the tendon is there, but not the law of its tension", &unsaid);
         self.warn_of(
             "the natural length changes; the control `.rest` is how much longer (m) it is than at \
              the start",

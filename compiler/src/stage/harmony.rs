@@ -6,7 +6,7 @@
 //! parameter of its own, whose value is put back when the blocks' expressions have been compared.
 
 use handc_runtime::expression::{Operation, Variable};
-use handc_runtime::mechanism::{Mechanism, Motion, Number, Param};
+use handc_runtime::mechanism::{Law, Mechanism, Motion, Number, Param};
 use handc_runtime::structure::Structure;
 
 /// A mechanism with unknowns for the numbers in which like blocks differ.
@@ -131,7 +131,13 @@ fn describe(
     for (s, strand) in mechanism.strands.iter().enumerate() {
         if structure.strands[s].coordinates.iter().any(|c| coordinates.contains(c)) {
             elements.push(Element::Strand(s));
-            signature.push(-3);
+            let law = match strand.law {
+                Law::Linear { .. } => 0,
+                Law::Energy(_) => 1,
+                Law::Tension(_) => 2,
+                Law::Prescribed => 3,
+            };
+            signature.extend([-3, law, i64::from(strand.slack.is_some())]);
             signature.extend(strand.points.iter().map(|point| local(point.link)));
         }
     }
@@ -172,7 +178,11 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
         Element::Strand(index) => {
             let strand = &mut mechanism.strands[index];
             list.extend(strand.points.iter_mut().flat_map(|point| &mut point.position));
-            list.push(&mut strand.stiffness);
+            if let Law::Linear { stiffness } = &mut strand.law {
+                list.push(stiffness);
+            }
+            list.push(&mut strand.damping);
+            list.extend(&mut strand.slack);
         }
         Element::Force(index) => list.extend(&mut mechanism.forces[index].point.position),
     }

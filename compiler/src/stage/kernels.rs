@@ -200,7 +200,7 @@ fn constraints(symbols: &Symbols) -> Vec<Task> {
     let time = Sym::leaf(Leaf::Time);
     let mut values = vec![Sym::zero(); rows];
     let mut jacobian = vec![Sym::zero(); size];
-    mechanics.constraints(&mut workspace, &symbols.q, time, &mut values);
+    mechanics.constraints(&mut workspace, &symbols.q, time, &symbols.rest, &mut values);
     mechanics.constraint_jacobian(&mut workspace, &symbols.q, time, &mut jacobian);
     let of_row = |row: usize| {
         let index = structure.first_row.partition_point(|&first| first <= row);

@@ -1,7 +1,7 @@
 //! The unknowns of a model, and its mechanics over them.
 
 use crate::graph::{Leaf, Sym};
-use handc_runtime::expression::{Program, Variable};
+use handc_runtime::expression::{Program, StrandQuantity, Variable};
 use handc_runtime::mechanics::{At, Mechanics, Workspace};
 use handc_runtime::mechanism::Mechanism;
 use handc_runtime::resolved::Resolved;
@@ -74,8 +74,20 @@ impl<'a> Symbols<'a> {
         if reads_lengths {
             self.mechanics().strand_lengths(&mut self.workspace(), &self.q, &mut lengths);
         }
+        let reads_states =
+            program.variables().iter().any(|variable| matches!(variable, Variable::Strand(..)));
+        let mut states = vec![[Sym::leaf(Leaf::Time); 4]; self.mechanism.strands.len()];
+        if reads_states {
+            let mechanics = self.mechanics();
+            mechanics.strand_states(&mut self.workspace(), &self.at(), &mut states);
+            for &(row, strand) in &self.structure.prescribed {
+                let impulse = Sym::leaf(Leaf::Lambda(row as u32));
+                states[strand][StrandQuantity::Tension as usize] = impulse / Sym::leaf(Leaf::Step);
+            }
+        }
         let read = |variable| match variable {
             Variable::Length(strand) => lengths[strand as usize],
+            Variable::Strand(quantity, strand) => states[strand as usize][quantity as usize],
             other => Sym::leaf(crate::graph::leaf(other)),
         };
         let mut values = Vec::new();

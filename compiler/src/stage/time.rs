@@ -54,6 +54,8 @@ pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
         let driven: Vec<_> = scenario.drives.iter().map(at).collect();
         let own = programs(symbols, own.iter().map(|(i, p)| (*i, p)));
         let driven = programs(symbols, driven.iter().map(|(i, p)| (*i, p)));
+        let lengths: Vec<_> = scenario.lengths.iter().map(at).collect();
+        let lengths = programs(symbols, lengths.iter().map(|(i, p)| (*i, p)));
         let records = scenario.records.iter().map(|(_, program)| program).enumerate();
         let records = programs(symbols, records);
         tasks.push(task(
@@ -65,6 +67,11 @@ pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
             "drives",
             "Coordinates that the scenario drives, at time t (s).",
             outputs("q", driven, true, coordinate),
+        ));
+        tasks.push(task(
+            "rests",
+            "Lengths that the scenario prescribes for strands, at time t (s).",
+            outputs("rest", lengths, true, |i| mechanism.strands[i].name.clone()),
         ));
         tasks.push(task(
             "records",

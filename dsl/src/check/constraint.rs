@@ -20,7 +20,17 @@ impl<'a> Checker<'a> {
         for index in 0..self.constraints.len() {
             let item = &self.constraints[index];
             let (scope, decl, name) = (item.scope, item.decl, item.name.clone());
-            let DeclKind::Constraint(kind) = &decl.kind else { continue };
+            let kind = match &decl.kind {
+                DeclKind::Constraint(kind) => kind,
+                _ => {
+                    let strand = self.prescribed.iter().find(|p| p.1 == index);
+                    if let Some(&(strand, _)) = strand {
+                        let kind = ConstraintKind::Length(hir::StrandId(strand as u32));
+                        constraints.push(hir::Constraint { name, kind, span: decl.span });
+                    }
+                    continue;
+                }
+            };
             if let Some(kind) = self.constraint(scope, kind, name.span) {
                 constraints.push(hir::Constraint { name, kind, span: decl.span });
             }
@@ -134,7 +144,7 @@ impl<'a> Checker<'a> {
     ) -> Option<Vec<(&'static str, Dimension)>> {
         let item = self.constraints.get(index)?;
         let (scope, decl) = (item.scope, item.decl);
-        let DeclKind::Constraint(kind) = &decl.kind else { return None };
+        let DeclKind::Constraint(kind) = &decl.kind else { return Some(vec![("", MOMENTUM)]) };
         Some(match kind {
             Ast::Coincident(_, _, axes) => {
                 let axes = match axes {

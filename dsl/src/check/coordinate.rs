@@ -119,9 +119,10 @@ impl<'a> Checker<'a> {
                 let message =
                     format!("{what} is a tuple: the joint has {} coordinates", want.len());
                 let error = Diagnostic::error("vector", text.span, message);
-                let shape = match want.len() {
-                    2 => "(a, b)",
-                    3 => "(u, v, r)",
+                let shape = match (want.len(), want[want.len() - 1]) {
+                    (2, _) => "(a, b)",
+                    (3, Dimension::NONE) => "(u, v, r)",
+                    (3, _) => "(x, y, z)",
                     _ => "(tx, ty, tz, rx, ry, rz)",
                 };
                 self.report(error.help(format!("write `{shape}`")));

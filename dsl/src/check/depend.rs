@@ -2,7 +2,7 @@
 
 use super::Checker;
 use crate::diagnostic::Diagnostic;
-use crate::hir::{Expr, ExprKind, Function};
+use crate::hir::{Expr, ExprKind, Function, Own};
 use crate::source::Span;
 
 /// What is allowed in a place.
@@ -12,6 +12,8 @@ pub(super) struct May {
     pub(super) time: bool,
     pub(super) inputs: bool,
     pub(super) coordinates: bool,
+    /// Lengths of strands.
+    pub(super) lengths: bool,
     pub(super) rates: bool,
     pub(super) multipliers: bool,
 }
@@ -23,6 +25,7 @@ impl May {
         time: false,
         inputs: false,
         coordinates: false,
+        lengths: false,
         rates: false,
         multipliers: false,
     };
@@ -33,9 +36,11 @@ impl May {
     /// Natural lengths.
     pub(super) const REST: May = May { inputs: true, ..May::TIME };
     /// Constraint equations.
-    pub(super) const HOLONOMIC: May = May { coordinates: true, ..May::TIME };
+    pub(super) const HOLONOMIC: May = May { coordinates: true, lengths: true, ..May::TIME };
     /// Torques and forces: all but multipliers, which only a recorded column may hold.
-    pub(super) const LOAD: May = May { coordinates: true, rates: true, ..May::REST };
+    pub(super) const LOAD: May = May { rates: true, inputs: true, ..May::HOLONOMIC };
+    /// Commanded tensions: the state, but for lengths of strands, of which there is `x`.
+    pub(super) const TENSION: May = May { lengths: false, ..May::LOAD };
 
     fn list(self) -> String {
         let mut words = vec!["constants"];
@@ -43,7 +48,8 @@ impl May {
             (self.params, "parameters"),
             (self.time, "`t`"),
             (self.inputs, "inputs"),
-            (self.coordinates, "coordinates and lengths"),
+            (self.coordinates && self.lengths, "coordinates and lengths"),
+            (self.coordinates && !self.lengths, "coordinates"),
             (self.rates, "rates"),
         ] {
             if allowed {
@@ -66,7 +72,9 @@ fn offender(expr: &Expr, may: May) -> Option<(Span, &'static str)> {
         ExprKind::Time if !may.time => here("time"),
         ExprKind::Input(_) if !may.inputs => here("an input"),
         ExprKind::Coordinate(_) if !may.coordinates => here("a coordinate"),
-        ExprKind::Length(_) if !may.coordinates => here("the length of a strand"),
+        ExprKind::Length(_) if !may.lengths => here("the length of a strand"),
+        ExprKind::Own(Own::Rate) if !may.rates => here("a rate"),
+        ExprKind::Strand(..) => here("what a strand does; only a recorded column may"),
         ExprKind::Rate(_) if !may.rates => here("a rate"),
         ExprKind::Multiplier(..) if !may.multipliers => here("a multiplier"),
         ExprKind::Call(Function::Ease, _) if !may.time => here("time, through `ease`"),

@@ -148,6 +148,7 @@ impl<'a> Checker<'a> {
         let at = |kind, dimension| Some(Value::Scalar(Expr { kind, dimension, span }));
         let what = match self.entity(scope, path)? {
             Entity::Time => return at(ExprKind::Time, Dimension::TIME),
+            Entity::Own(own) => return at(ExprKind::Own(own), Dimension::LENGTH),
             Entity::Pi => return at(ExprKind::Number(std::f64::consts::PI), Dimension::NONE),
             Entity::Named(named) => {
                 let value = self.named(named, span)?;

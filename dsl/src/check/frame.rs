@@ -68,7 +68,10 @@ impl<'a> Checker<'a> {
             let raw = &self.frames[index];
             let (scope, name, joint) = (raw.scope, raw.name.clone(), raw.joint);
             let placement = match raw.placement {
-                Some(placement) => self.placement(scope, placement),
+                Some(placement) => {
+                    let own = self.placement(scope, placement);
+                    joint.map_or(own.clone(), |joint| self.node_placement(joint, own))
+                }
                 None => Placement {
                     at: zero_vector(Dimension::LENGTH, name.span),
                     rotations: Vec::new(),

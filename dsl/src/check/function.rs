@@ -1,12 +1,15 @@
 //! Function calls.
 
 use super::fold::{self, holds};
+use super::name::Entity;
 use super::scope::ScopeId;
 use super::{Checker, constant};
 use crate::ast::{self, ExprKind as Ast, Ident, Operator};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
-use crate::hir::{Compare, CoordinateId, Expr, ExprKind, Function, StrandId};
+use crate::hir::{
+    Compare, CoordinateId, Expr, ExprKind, Function, Own, StrandId, StrandQuantity,
+};
 use crate::source::Span;
 use crate::suggest::nearest;
 
@@ -46,6 +49,9 @@ const FUNCTIONS: [(&str, Function, usize, Rule); 17] = [
     ("ease", Function::Ease, 4, Rule::Ease),
 ];
 
+/// Functions of a strand that only a recorded column may hold.
+const RECORDED: [&str; 3] = ["tension", "taut", "dissipation"];
+
 impl<'a> Checker<'a> {
     pub(super) fn call(
         &mut self,
@@ -58,10 +64,13 @@ impl<'a> Checker<'a> {
             "if" => return self.choice(scope, arguments, span),
             "length" => return self.length(scope, arguments, span),
             "rate" => return self.rate(scope, arguments, span),
+            "tension" | "taut" | "dissipation" => {
+                return self.strand_quantity(scope, &name.text, arguments, span);
+            }
             _ => {}
         }
         let Some(&(_, function, count, rule)) = FUNCTIONS.iter().find(|f| f.0 == name.text) else {
-            let names = FUNCTIONS.iter().map(|f| f.0).chain(["length", "rate", "if"]);
+            let names = FUNCTIONS.iter().map(|f| f.0).chain(RECORDED).chain(["length", "rate", "if"]);
             let all: Vec<&str> = names.clone().collect();
             let help = match nearest(&name.text, names) {
                 Some(near) => format!("did you mean `{near}`?"),
@@ -224,13 +233,50 @@ impl<'a> Checker<'a> {
             return None;
         };
         let Ast::Path(path) = &argument.kind else {
-            let message = "`rate` takes the name of a joint's coordinate";
+            let message = "`rate` takes the name of a joint's coordinate or of a strand";
             self.report(Diagnostic::error("not-a-coordinate", argument.span, message));
             return None;
         };
+        match self.peek(scope, path) {
+            Some(Entity::Own(Own::Length)) => {
+                let kind = ExprKind::Own(Own::Rate);
+                return Some(Expr { kind, dimension: Dimension::VELOCITY, span });
+            }
+            Some(Entity::Strand(index)) => {
+                let kind = ExprKind::Strand(StrandQuantity::Rate, StrandId(index as u32));
+                return Some(Expr { kind, dimension: Dimension::VELOCITY, span });
+            }
+            _ => {}
+        }
         let index = self.coordinate(scope, path)?;
         let dimension = self.coordinate_dimension(index)?.over(Dimension::TIME)?;
         let kind = ExprKind::Rate(CoordinateId(index as u32));
         Some(Expr { kind, dimension, span })
+    }
+
+    /// `tension(S)`, `taut(S)`, `dissipation(S)`.
+    fn strand_quantity(
+        &mut self,
+        scope: ScopeId,
+        name: &str,
+        arguments: &'a [ast::Expr],
+        span: Span,
+    ) -> Option<Expr> {
+        let [argument] = arguments else {
+            self.count(name, 1, arguments.len(), span);
+            return None;
+        };
+        let Ast::Path(path) = &argument.kind else {
+            let message = format!("`{name}` takes the name of a strand");
+            self.report(Diagnostic::error("not-a-strand", argument.span, message));
+            return None;
+        };
+        let strand = StrandId(self.strand(scope, path)? as u32);
+        let (quantity, dimension) = match name {
+            "tension" => (StrandQuantity::Tension, Dimension::FORCE),
+            "taut" => (StrandQuantity::Taut, Dimension::NONE),
+            _ => (StrandQuantity::Dissipation, Dimension::POWER),
+        };
+        Some(Expr { kind: ExprKind::Strand(quantity, strand), dimension, span })
     }
 }

@@ -21,7 +21,18 @@ impl<'a> Checker<'a> {
             let raw = &self.joints[index];
             let (scope, decl, name) = (raw.item.scope, raw.item.decl, raw.item.name.clone());
             let (kind, frame, range) = (raw.kind, raw.frame, raw.coordinates.clone());
-            let DeclKind::Joint(word, arguments, _, block) = &decl.kind else { continue };
+            let (word, arguments, block) = match &decl.kind {
+                DeclKind::Joint(word, arguments, _, block) => (word, arguments, block),
+                DeclKind::Node(_, block) => {
+                    let own = self.node(scope, index, &name, block, range.clone());
+                    let ids = range.map(|c| CoordinateId(c as u32)).collect();
+                    let (frame, kind) = (self.frame_ids[frame], JointKind::Node);
+                    joints.push(hir::Joint { name, frame, kind, coordinates: ids });
+                    coordinates.extend(own);
+                    continue;
+                }
+                _ => continue,
+            };
             let options = self.options(block, "a joint", &OPTIONS);
             let Some(kind) = kind else {
                 // Names in its options are looked at all the same.
@@ -60,7 +71,7 @@ impl<'a> Checker<'a> {
             JointKind::Screw => (&["axis", "pitch"], "screw(axis, pitch)"),
             JointKind::Universal => (&["a", "b"], "universal(a, b)"),
             JointKind::Planar => (&["normal"], "planar(normal)"),
-            JointKind::Free => (&[], "free"),
+            JointKind::Free | JointKind::Node => (&[], "free"),
         };
         let wrong_name = arguments
             .iter()
@@ -101,7 +112,7 @@ impl<'a> Checker<'a> {
                 vec![(MotionKind::Revolute, next()), (MotionKind::Revolute, next())]
             }
             JointKind::Planar => self.planar(next(), word.span, unit),
-            JointKind::Free => {
+            JointKind::Free | JointKind::Node => {
                 let mut motions: Vec<_> =
                     (0..3).map(|axis| (MotionKind::Prismatic, unit(axis))).collect();
                 motions.extend((0..3).map(|axis| (MotionKind::Revolute, unit(axis))));
@@ -138,7 +149,7 @@ impl<'a> Checker<'a> {
         ]
     }
 
-    fn bare_coordinates(
+    pub(super) fn bare_coordinates(
         &mut self,
         joint: usize,
         name: &Name,

@@ -20,6 +20,7 @@ mod load;
 mod mass;
 mod motion;
 mod name;
+mod node;
 mod options;
 mod refer;
 mod scenario;
@@ -34,7 +35,7 @@ use crate::hir::{self, ExprKind, FrameId, Model};
 use crate::source::{SourceMap, Span};
 use instance::{ComponentId, Env};
 use scope::{Scope, ScopeId};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// What to check: the files read, and what each sees.
@@ -125,6 +126,14 @@ struct Checker<'a> {
     constraints: Vec<Item<'a>>,
     torques: Vec<Item<'a>>,
     forces: Vec<Item<'a>>,
+    /// Strands whose length is prescribed, and the constraints that do so.
+    prescribed: Vec<(usize, usize)>,
+    /// Strands with an input of their own, and the input.
+    actuators: Vec<(usize, usize)>,
+    /// Positions of nodes in their frames, by joint.
+    node_positions: BTreeMap<usize, hir::Vector>,
+    /// Whether an expression is part of a strand's law, where `x` is its length.
+    in_law: bool,
     gravity: Vec<&'a ast::Decl>,
     scenarios: Vec<&'a ast::Decl>,
     param_values: Vec<f64>,
@@ -177,6 +186,10 @@ impl<'a> Checker<'a> {
             constraints: Vec::new(),
             torques: Vec::new(),
             forces: Vec::new(),
+            prescribed: Vec::new(),
+            actuators: Vec::new(),
+            node_positions: BTreeMap::new(),
+            in_law: false,
             gravity: Vec::new(),
             scenarios: Vec::new(),
             param_values: Vec::new(),
@@ -229,7 +242,8 @@ impl<'a> Checker<'a> {
         let gravity = self.finish_gravity(root, decl.name.span);
         let frames = self.finish_frames(&order);
         let (joints, coordinates) = self.finish_joints();
-        let masses = self.finish_masses();
+        let mut masses = self.finish_masses();
+        masses.extend(self.finish_node_masses());
         let strands = self.finish_strands();
         let constraints = self.finish_constraints();
         let torques = self.finish_torques();

@@ -2,11 +2,11 @@
 
 use super::scope::{Entry, Scope, ScopeId};
 use super::value::NamedId;
-use super::{Checker, scope};
+use super::Checker;
 use crate::ast::{Ident, Path};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
-use crate::hir::ConstraintId;
+use crate::hir::{ConstraintId, Own};
 use crate::parse::reserved;
 use crate::suggest::nearest;
 
@@ -15,6 +15,8 @@ use crate::suggest::nearest;
 pub(super) enum Entity {
     Time,
     Pi,
+    /// What the strand whose law is read does.
+    Own(Own),
     Named(NamedId),
     Frame(usize),
     Joint(usize),
@@ -36,6 +38,8 @@ impl<'a> Checker<'a> {
         let first = path.parts.first()?;
         let rest = &path.parts[1..];
         match first.text.as_str() {
+            "x" if rest.is_empty() && self.in_law => return Some(Entity::Own(Own::Length)),
+            "x0" if rest.is_empty() && self.in_law => return Some(Entity::Own(Own::Rest)),
             "world" if rest.is_empty() => return Some(Entity::Frame(0)),
             "t" if rest.is_empty() => return Some(Entity::Time),
             "base" if rest.is_empty() => {
@@ -86,6 +90,17 @@ impl<'a> Checker<'a> {
         if let (Entry::Joint(joint), [part]) = (entry, rest) {
             return self.joint_part(joint, name, part);
         }
+        if let (Entry::Strand(strand), [part]) = (entry, rest)
+            && part.text == "rest"
+        {
+            if let Some(&(_, input)) = self.actuators.iter().find(|a| a.0 == strand) {
+                return Some(Entity::Named(NamedId::Input(input)));
+            }
+            let message = format!("`{}` has no input `rest`", name.text);
+            let error = Diagnostic::error("unknown-name", part.span, message);
+            self.report(error.help("give it one: `actuated = true;` in the strand's block"));
+            return None;
+        }
         if let [part, ..] = rest
             && entry != Entry::Broken
         {
@@ -109,15 +124,19 @@ impl<'a> Checker<'a> {
 
     fn joint_part(&mut self, joint: usize, name: &Ident, part: &Ident) -> Option<Entity> {
         let raw = &self.joints[joint];
-        let kind = raw.kind?;
+        raw.kind?;
         let range = raw.coordinates.clone();
-        let parts = scope::JOINT_KINDS.iter().find(|k| k.1 == kind).map_or(&[] as &[&str], |k| k.2);
-        if let Some(index) = parts.iter().position(|p| *p == part.text && !p.is_empty()) {
+        let own = format!("{}.{}", raw.item.name.text, part.text);
+        if let Some(index) = self.coordinate_names[range.clone()].iter().position(|n| *n == own) {
             return Some(Entity::Coordinate(range.start + index));
         }
         let message = format!("`{}` has no coordinate `{}`", name.text, part.text);
         let help = match range.len() {
-            1 => format!("it has one, called `{}`", name.text),
+            1 => {
+                let only = &self.coordinate_names[range.start];
+                let last = only.strip_prefix(&raw.item.name.text).unwrap_or_default();
+                format!("it has one, called `{}{last}`", name.text)
+            }
             _ => self.parts_help(joint, &name.text),
         };
         self.report(Diagnostic::error("unknown-name", part.span, message).help(help));

@@ -65,7 +65,7 @@ impl<'a> Checker<'a> {
         let joint = self.joints.get(self.joint_of(coordinate))?;
         let part = coordinate - joint.coordinates.start;
         let translates = match joint.kind? {
-            JointKind::Prismatic => true,
+            JointKind::Prismatic | JointKind::Node => true,
             JointKind::Planar => part < 2,
             JointKind::Free => part < 3,
             JointKind::Revolute | JointKind::Screw | JointKind::Universal => false,
@@ -82,6 +82,7 @@ impl<'a> Checker<'a> {
     ) {
         let what = match found {
             Entity::Time => "time",
+            Entity::Own(_) => "a number",
             Entity::Pi => "a number",
             Entity::Named(NamedId::Const(_)) => "a const",
             Entity::Named(NamedId::Param(_)) => "a param",

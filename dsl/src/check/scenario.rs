@@ -8,7 +8,7 @@ use super::{Checker, constant};
 use crate::ast::{DeclKind, Ident, Setting, Statement, StatementKind};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
-use crate::hir::{CoordinateId, Expr, InputId, Name, ParamId, Record, Scenario};
+use crate::hir::{CoordinateId, Expr, InputId, Name, ParamId, Record, Scenario, StrandId};
 use crate::source::Span;
 use crate::suggest::nearest;
 use std::collections::BTreeMap;
@@ -51,6 +51,7 @@ impl<'a> Checker<'a> {
                 velocity: Vec::new(),
                 inputs: Vec::new(),
                 drives: Vec::new(),
+                lengths: Vec::new(),
                 poses: Vec::new(),
                 motions: Vec::new(),
                 follow: Vec::new(),
@@ -119,6 +120,11 @@ impl<'a> Checker<'a> {
                 let values = self.on_coordinates(root, setting, "velocity", May::PARAMS, 1);
                 let values = self.first_only(draft, "velocity", setting, values);
                 draft.scenario.velocity.extend(values);
+            }
+            StatementKind::Drive(setting)
+                if matches!(self.peek(root, &setting.name), Some(Entity::Strand(_))) =>
+            {
+                self.drive_strand(root, draft, setting);
             }
             StatementKind::Drive(setting) => {
                 let values = self.on_coordinates(root, setting, "drive", May::TIME, 0);
@@ -209,6 +215,24 @@ impl<'a> Checker<'a> {
             && let Some(value) = value
         {
             draft.scenario.set.push((ParamId(id as u32), value));
+        }
+    }
+
+    /// `drive STRAND = e;` for a strand whose length is prescribed.
+    fn drive_strand(&mut self, root: ScopeId, draft: &mut Draft, setting: &'a Setting) {
+        let Some(strand) = self.strand(root, &setting.name) else { return };
+        let what = format!("`drive` of `{}`", self.strands[strand].name.text);
+        let value = self.expect(root, &setting.value, Dimension::LENGTH, &what, May::TIME);
+        if !self.prescribed.iter().any(|p| p.0 == strand) {
+            let message = format!("the length of `{}` is not prescribed", self.strands[strand].name.text);
+            let error = Diagnostic::error("not-prescribed", setting.name.span, message);
+            self.report(error.help("write `drive = true;` in its block instead of its law"));
+            return;
+        }
+        if self.once(&mut draft.seen, ("length", strand), setting.span, &what)
+            && let Some(value) = value
+        {
+            draft.scenario.lengths.push((StrandId(strand as u32), value));
         }
     }
 

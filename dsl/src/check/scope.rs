@@ -153,8 +153,9 @@ impl<'a> Checker<'a> {
                 }
                 return self.constraints.push(item);
             }
-            DeclKind::Strand(..) => {
+            DeclKind::Strand(_, block) => {
                 self.strands.push(item);
+                self.enter_strand(scope, decl, name, block);
                 Entry::Strand(self.strands.len() - 1)
             }
             DeclKind::Place(component, arguments, placement) => {
@@ -163,13 +164,7 @@ impl<'a> Checker<'a> {
                     None => Entry::Broken,
                 }
             }
-            DeclKind::Node => {
-                self.report(
-                    Diagnostic::error("unsupported", decl.span, "`node` is not supported yet")
-                        .help("end the strand on a frame, or split it into several strands"),
-                );
-                Entry::Broken
-            }
+            DeclKind::Node(placement, block) => self.enter_node(scope, item, placement, block),
             DeclKind::Component(_) | DeclKind::Import(_) => return,
             DeclKind::Broken => {
                 if !decl.name.text.is_empty() {
@@ -246,9 +241,20 @@ impl<'a> Checker<'a> {
             };
             self.report(Diagnostic::error("unknown-joint", kind.span, message).help(help));
         }
-        let index = self.joints.len();
-        let name = item.name.clone();
         let parts = known.map_or(&[] as &[&str], |k| k.2);
+        self.enter_moving(scope, item, known.map(|k| k.1), parts, placement)
+    }
+
+    /// Enters a joint or a node with the coordinates that `parts` name.
+    pub(super) fn enter_moving(
+        &mut self,
+        scope: ScopeId,
+        item: Item<'a>,
+        kind: Option<JointKind>,
+        parts: &[&str],
+        placement: &'a ast::Placement,
+    ) -> Entry {
+        let (index, name) = (self.joints.len(), item.name.clone());
         let first = self.coordinate_names.len();
         for part in parts {
             let text = match part.is_empty() {
@@ -266,7 +272,7 @@ impl<'a> Checker<'a> {
         self.frames.push(RawFrame { scope, name, placement: Some(placement), joint: Some(index) });
         self.joints.push(RawJoint {
             item,
-            kind: known.map(|k| k.1),
+            kind,
             frame: self.frames.len() - 1,
             coordinates: first..first + parts.len(),
         });

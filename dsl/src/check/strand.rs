@@ -1,20 +1,74 @@
 //! Strands.
 
-use super::Checker;
 use super::depend::May;
-use super::scope::ScopeId;
-use crate::ast::{DeclKind, Expr, ExprKind, PathOption};
+use super::options::Options;
+use super::scope::{Entry, ScopeId};
+use super::{Checker, Item, Named, State, Value};
+use crate::ast::{Block, Decl, DeclKind, Expr, ExprKind, PathOption, Setting};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
 use crate::hir;
 use crate::source::Span;
 
-const OPTIONS: [&str; 8] =
-    ["stiffness", "rest", "damping", "slack", "slack_width", "energy", "tension", "actuated"];
-/// Options a back end does not know yet.
-const LATER: [&str; 6] = ["damping", "slack", "slack_width", "energy", "tension", "actuated"];
+const OPTIONS: [&str; 9] = [
+    "stiffness",
+    "rest",
+    "damping",
+    "slack",
+    "slack_width",
+    "energy",
+    "tension",
+    "actuated",
+    "drive",
+];
+/// Each of these is a law; a strand has one.
+const LAWS: [&str; 4] = ["stiffness", "energy", "tension", "drive"];
+/// Width of slack where none is given (m).
+const SLACK_WIDTH: f64 = 1e-4;
+
+/// An option of a strand by name, unless it is switched off.
+fn wanted<'a>(block: &'a Block, name: &str) -> Option<&'a Setting> {
+    let is_named = |s: &&Setting| matches!(&s.name.parts[..], [n] if n.text == name);
+    block.settings.iter().find(is_named).filter(|s| word(&s.value) != Some("false"))
+}
 
 impl<'a> Checker<'a> {
+    /// Enters what a strand brings besides itself: an input, a constraint.
+    pub(super) fn enter_strand(
+        &mut self,
+        scope: ScopeId,
+        decl: &'a Decl,
+        name: hir::Name,
+        block: &'a Block,
+    ) {
+        let strand = self.strands.len() - 1;
+        if wanted(block, "actuated").is_some() {
+            let text = format!("{}.rest", name.text);
+            let input = hir::Name { text, ..name.clone() };
+            self.take("name", &input);
+            let default = wanted(block, "rest").map(|s| &s.value);
+            // Without a natural length of its own it starts at the length it has: not known here.
+            let unknown = super::number(f64::NAN, Dimension::LENGTH, name.span);
+            self.inputs.push(Named {
+                scope,
+                name: input,
+                value: default,
+                dimension: Some(Dimension::LENGTH),
+                state: match default {
+                    Some(_) => State::Pending,
+                    None => State::Done(Some(Value::Scalar(unknown))),
+                },
+            });
+            self.actuators.push((strand, self.inputs.len() - 1));
+        }
+        if wanted(block, "drive").is_some() && self.take("constraint", &name) {
+            let index = self.constraints.len();
+            self.scopes[scope.0].constraints.insert(&decl.name.text, Entry::Constraint(index));
+            self.constraints.push(Item { scope, decl, name });
+            self.prescribed.push((strand, index));
+        }
+    }
+
     pub(super) fn finish_strands(&mut self) -> Vec<hir::Strand> {
         let mut strands = Vec::new();
         for index in 0..self.strands.len() {
@@ -22,47 +76,156 @@ impl<'a> Checker<'a> {
             let (scope, decl, name) = (item.scope, item.decl, item.name.clone());
             let DeclKind::Strand(paths, block) = &decl.kind else { continue };
             let known: Vec<&str> = std::iter::once("path").chain(OPTIONS).collect();
-            let mut options = self.options(block, "a strand", &known);
+            let options = self.options(block, "a strand", &known);
             let points = self.path(scope, paths, options.broken, name.span);
-            for later in LATER {
-                let Some(setting) = options.setting(later) else { continue };
-                if says_no(&setting.value) && matches!(later, "slack" | "actuated") {
-                    continue;
-                }
-                let message = format!("`{later}` of a strand is not supported yet");
-                self.report(Diagnostic::error("unsupported", setting.span, message));
-                options.broken = true;
-            }
-            let stiffness = match options.get("stiffness") {
-                Some(text) => {
-                    let what = "`stiffness` of a strand";
-                    self.expect(scope, text, Dimension::STIFFNESS, what, May::PARAMS)
-                }
-                None => {
-                    self.missing(
-                        &options,
-                        name.span,
-                        "a strand",
-                        "stiffness",
-                        "stiffness = 200 N/m;",
-                    );
-                    None
-                }
-            };
-            if let Some(stiffness) = &stiffness {
-                self.must(stiffness, |x| x >= 0.0, "`stiffness` of a strand cannot be negative");
-            }
-            let rest = options.get("rest").and_then(|text| {
-                self.expect(scope, text, Dimension::LENGTH, "`rest` of a strand", May::REST)
+            let law = self.law(scope, index, name.span, block, &options);
+            let rest = self.rest(scope, index, block, &options);
+            let damping = options.get("damping").and_then(|text| {
+                let what = "`damping` of a strand";
+                self.expect(scope, text, Dimension::DAMPING, what, May::PARAMS)
             });
-            if let Some(rest) = &rest {
-                self.must(rest, |x| x >= 0.0, "a natural length cannot be negative");
+            if let Some(damping) = &damping {
+                let message = "`damping` of a strand cannot be negative";
+                self.must(damping, |x| x >= 0.0, message);
             }
-            if let (Some(path), Some(stiffness)) = (points, stiffness) {
-                strands.push(hir::Strand { name, path, stiffness, rest, span: decl.span });
+            let slack = self.slack(scope, name.span, block, &options);
+            let actuator = self.actuators.iter().find(|a| a.0 == index);
+            let actuator = actuator.map(|&(_, input)| hir::InputId(input as u32));
+            if let (Some(path), Some(law)) = (points, law) {
+                let span = decl.span;
+                strands.push(hir::Strand { name, path, law, damping, slack, rest, actuator, span });
             }
         }
         strands
+    }
+
+    /// The one law of a strand.
+    fn law(
+        &mut self,
+        scope: ScopeId,
+        index: usize,
+        span: Span,
+        block: &'a Block,
+        options: &Options<'a>,
+    ) -> Option<hir::Law> {
+        let given: Vec<&'a Setting> = LAWS.iter().filter_map(|law| wanted(block, law)).collect();
+        if let [first, second, ..] = given[..] {
+            let message = "a strand has one law";
+            self.report(
+                Diagnostic::error("two-laws", second.span, message)
+                    .also(first.span, "the first is here")
+                    .help("keep one of `stiffness`, `energy`, `tension` and `drive`"),
+            );
+        }
+        let Some(law) = given.first() else {
+            self.missing(options, span, "a strand", "stiffness", "stiffness = 200 N/m;");
+            return None;
+        };
+        let text = &law.value;
+        match law.name.parts[0].text.as_str() {
+            "stiffness" => {
+                let what = "`stiffness` of a strand";
+                let stiffness =
+                    self.expect(scope, text, Dimension::STIFFNESS, what, May::PARAMS)?;
+                let message = "`stiffness` of a strand cannot be negative";
+                self.must(&stiffness, |x| x >= 0.0, message);
+                Some(hir::Law::Stiffness(stiffness))
+            }
+            "energy" => {
+                self.in_law = true;
+                let what = "`energy` of a strand";
+                let energy = self.expect(scope, text, Dimension::ENERGY, what, May::PARAMS);
+                self.in_law = false;
+                Some(hir::Law::Energy(energy?))
+            }
+            "tension" => {
+                self.in_law = true;
+                let what = "`tension` of a strand";
+                let tension = self.expect(scope, text, Dimension::FORCE, what, May::TENSION);
+                self.in_law = false;
+                let tension = tension?;
+                let message = "a strand pulls: its tension cannot be negative";
+                self.must(&tension, |x| x >= 0.0, message);
+                Some(hir::Law::Tension(tension))
+            }
+            _ => {
+                let &(_, constraint) = self.prescribed.iter().find(|p| p.0 == index)?;
+                Some(hir::Law::Prescribed(hir::ConstraintId(constraint as u32)))
+            }
+        }
+    }
+
+    /// Natural length: what is given, the strand's own input, or the length that is prescribed.
+    fn rest(
+        &mut self,
+        scope: ScopeId,
+        index: usize,
+        block: &'a Block,
+        options: &Options<'a>,
+    ) -> Option<hir::Expr> {
+        let drive = wanted(block, "drive").filter(|s| word(&s.value) != Some("true"));
+        if let (Some(rest), Some(drive)) = (options.setting("rest"), wanted(block, "drive")) {
+            let message = "a strand whose length is prescribed has no natural length";
+            self.report(
+                Diagnostic::error("two-laws", rest.span, message)
+                    .also(drive.span, "its length is prescribed here"),
+            );
+        }
+        let (text, what) = match drive {
+            Some(drive) => (Some(&drive.value), "`drive` of a strand"),
+            None => (options.get("rest"), "`rest` of a strand"),
+        };
+        let given =
+            text.and_then(|text| self.expect(scope, text, Dimension::LENGTH, what, May::REST));
+        if let Some(given) = &given {
+            self.must(given, |x| x >= 0.0, "a natural length cannot be negative");
+        }
+        let actuator = self.actuators.iter().find(|a| a.0 == index);
+        match actuator {
+            Some(&(_, input)) => {
+                let span = self.inputs[input].name.span;
+                let kind = hir::ExprKind::Input(hir::InputId(input as u32));
+                Some(hir::Expr { kind, dimension: Dimension::LENGTH, span })
+            }
+            None => given,
+        }
+    }
+
+    /// The width over which a strand goes slack, if it does.
+    fn slack(
+        &mut self,
+        scope: ScopeId,
+        span: Span,
+        block: &'a Block,
+        options: &Options<'a>,
+    ) -> Option<hir::Expr> {
+        for name in ["slack", "actuated"] {
+            if let Some(setting) = options.setting(name)
+                && !matches!(word(&setting.value), Some("true" | "false"))
+            {
+                let message = format!("`{name}` of a strand is `true` or `false`");
+                self.report(Diagnostic::error("value", setting.value.span, message));
+            }
+        }
+        let slack = wanted(block, "slack");
+        if let (Some(slack), Some(drive)) = (slack, wanted(block, "drive")) {
+            let message = "a strand whose length is prescribed is never slack";
+            self.report(
+                Diagnostic::error("two-laws", slack.span, message)
+                    .also(drive.span, "its length is prescribed here"),
+            );
+        }
+        let Some(width) = options.setting("slack_width") else {
+            return slack.map(|_| super::number(SLACK_WIDTH, Dimension::LENGTH, span));
+        };
+        if slack.is_none() {
+            let message = "`slack_width` does nothing without `slack = true`";
+            self.report(Diagnostic::warning("no-effect", width.name.span, message));
+        }
+        let what = "`slack_width` of a strand";
+        let width = self.expect(scope, &width.value, Dimension::LENGTH, what, May::PARAMS)?;
+        self.must(&width, |x| x > 0.0, "`slack_width` of a strand must be positive");
+        slack.map(|_| width)
     }
 
     fn path(
@@ -97,8 +260,10 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Whether an option is switched off: then it asks for nothing.
-fn says_no(value: &Expr) -> bool {
-    matches!(&value.kind, ExprKind::Path(path)
-        if path.parts.len() == 1 && path.parts[0].text == "false")
+/// The single word that a value is, if it is one.
+fn word(value: &Expr) -> Option<&str> {
+    match &value.kind {
+        ExprKind::Path(path) if path.parts.len() == 1 => Some(&path.parts[0].text),
+        _ => None,
+    }
 }

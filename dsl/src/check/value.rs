@@ -66,7 +66,10 @@ impl<'a> Checker<'a> {
             State::Pending => {}
         }
         self.slot(id).state = State::Busy;
+        // What a value is made of does not belong to the law that mentions it.
+        let in_law = std::mem::replace(&mut self.in_law, false);
         let value = self.evaluate_now(id);
+        self.in_law = in_law;
         self.slot(id).state = State::Done(value.clone());
         value
     }
@@ -102,6 +105,10 @@ impl<'a> Checker<'a> {
             }
             NamedId::Input(_) => {
                 let value = self.scalar(scope, text)?;
+                let value = match dimension {
+                    Some(want) => self.fit(value, want, "a natural length", Some(text))?,
+                    None => value,
+                };
                 self.depends(&value, May::TIME, "the default of an `input`")?;
                 Some(Value::Scalar(value))
             }

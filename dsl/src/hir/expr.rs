@@ -33,6 +33,10 @@ pub enum ExprKind {
     Rate(CoordinateId),
     /// Length of a strand, `length(S)`.
     Length(StrandId),
+    /// What the strand whose law this is does: `x`, `x0`, `rate(x)`.
+    Own(Own),
+    /// What a strand does at an instant: `tension(S)` and the like; only in `record`.
+    Strand(StrandQuantity, StrandId),
     /// Multiplier of one row of a constraint, `lambda.C.x`; only in `record`.
     Multiplier(ConstraintId, u32),
     /// Negation.
@@ -54,6 +58,30 @@ pub enum ExprKind {
         /// Value where it does not.
         otherwise: Box<Expr>,
     },
+}
+
+/// What a strand's own law may read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Own {
+    /// Its length `x`.
+    Length,
+    /// Its natural length `x0`.
+    Rest,
+    /// The rate of its length, `rate(x)`.
+    Rate,
+}
+
+/// What a recorded column may read of a strand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum StrandQuantity {
+    /// `rate(S)`: the rate of its length.
+    Rate,
+    /// `tension(S)`.
+    Tension,
+    /// `taut(S)`: 1 where it pulls, 0 where it is slack.
+    Taut,
+    /// `dissipation(S)`: the power that its damping takes.
+    Dissipation,
 }
 
 /// Arithmetic on two operands.

@@ -1,6 +1,6 @@
 //! Strands, constraints, torques and forces of a checked model.
 
-use super::{CoordinateId, Expr, FrameId, Name, Vector};
+use super::{ConstraintId, CoordinateId, Expr, FrameId, InputId, Name, StrandId, Vector};
 use crate::source::Span;
 use serde::Serialize;
 
@@ -15,6 +15,19 @@ pub struct Point {
     pub span: Span,
 }
 
+/// How a strand's tension follows from its length x and natural length x₀.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum Law {
+    /// Stiffness k of V = ½k(x−x₀)² (N/m).
+    Stiffness(Expr),
+    /// V itself (J), a function of `x`, `x0` and parameters.
+    Energy(Expr),
+    /// A commanded tension (N).
+    Tension(Expr),
+    /// The length is prescribed; the multiplier of the constraint is the tension.
+    Prescribed(ConstraintId),
+}
+
 /// An elastic path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Strand {
@@ -22,10 +35,17 @@ pub struct Strand {
     pub name: Name,
     /// Two or more points.
     pub path: Vec<Point>,
-    /// Stiffness k of V = ½k(x−x₀)² (N/m).
-    pub stiffness: Expr,
-    /// Natural length; `None`: the length at the start, on the constraints.
+    /// Its law.
+    pub law: Law,
+    /// Coefficient c of the damping −c·ẋ along the strand (N·s/m), if given.
+    pub damping: Option<Expr>,
+    /// Width (m) over which it goes slack; `None` for one that can push.
+    pub slack: Option<Expr>,
+    /// Natural length; `None`: the length at the start, on the constraints. Of a prescribed strand,
+    /// its length.
     pub rest: Option<Expr>,
+    /// The input `N.rest` of an actuated strand.
+    pub actuator: Option<InputId>,
     /// The whole declaration.
     pub span: Span,
 }
@@ -44,6 +64,8 @@ pub enum ConstraintKind {
     Weld { first: FrameId, second: FrameId },
     /// left − right = 0.
     Equation { left: Expr, right: Expr },
+    /// The length of a strand, less the one prescribed for it.
+    Length(StrandId),
 }
 
 /// A holonomic constraint.

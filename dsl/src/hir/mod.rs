@@ -13,8 +13,8 @@ mod load;
 mod scenario;
 mod tree;
 
-pub use expr::{BinaryOp, Compare, Expr, ExprKind, Function, Vector};
-pub use load::{Constraint, ConstraintKind, Force, Point, Strand, Torque};
+pub use expr::{BinaryOp, Compare, Expr, ExprKind, Function, Own, StrandQuantity, Vector};
+pub use load::{Constraint, ConstraintKind, Force, Law, Point, Strand, Torque};
 pub use scenario::{Follow, Motion, Pose, Record, Scenario};
 pub use tree::{
     Amount, Coordinate, Frame, Joint, JointKind, Mass, MassKind, MotionKind, Placement, Rotation,

@@ -63,6 +63,8 @@ pub struct Scenario {
     pub inputs: Vec<(InputId, Expr)>,
     /// Coordinates driven as functions of time.
     pub drives: Vec<(CoordinateId, Expr)>,
+    /// Lengths prescribed for strands as functions of time.
+    pub lengths: Vec<(StrandId, Expr)>,
     /// Poses.
     pub poses: Vec<Pose>,
     /// Motions.

@@ -45,6 +45,8 @@ pub enum JointKind {
     Universal,
     Planar,
     Free,
+    /// A `node`: translations along the axes of the frame it is in.
+    Node,
 }
 
 /// A joint: one to six coordinates between its placement and its frame.

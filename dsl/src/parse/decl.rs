@@ -3,7 +3,7 @@
 use super::expr::inner;
 use super::split::{Chunk, DECLARATIONS};
 use super::{Reader, Rule, did_you_mean};
-use crate::ast::{Component, ConstraintKind, Decl, DeclKind, Ident, Parameter, Shape};
+use crate::ast::{Component, ConstraintKind, Decl, DeclKind, Ident, Parameter, Placement, Shape};
 use crate::diagnostic::Diagnostic;
 use pest::iterators::Pair;
 
@@ -113,7 +113,16 @@ impl Reader<'_, '_> {
                 let (block, paths) = self.block_with_paths(body);
                 DeclKind::Strand(paths, block)
             }
-            Rule::node_head => DeclKind::Node,
+            Rule::node_head => {
+                let (first, second) = (next()?, next()?);
+                let (at, parent) = match first.as_rule() {
+                    Rule::expr => (first, second),
+                    _ => (second, first),
+                };
+                let (parent, at) = (build.path(&parent), Some(build.expr(at)));
+                let placement = Placement { parent, at, rotations: Vec::new() };
+                DeclKind::Node(placement, self.block(body))
+            }
             Rule::constraint_head => DeclKind::Constraint(self.constraint(next()?, chunk)?),
             Rule::torque_head => DeclKind::Torque(build.path(&next()?), build.expr(next()?)),
             Rule::force_head => {

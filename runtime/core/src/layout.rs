@@ -18,6 +18,8 @@ pub struct Coordinate {
     pub kind: CoordinateKind,
     /// Whether the model itself drives it, so that it has no momentum and no equation.
     pub kinematic: bool,
+    /// Whether it is in static equilibrium: no mass moves with it and nothing depends on its rate.
+    pub is_static: bool,
 }
 
 /// A parameter or an input.
@@ -36,6 +38,11 @@ pub struct Strand {
     pub name: String,
     /// Whether the model gives its natural length; if not it is the length at the start.
     pub has_rest: bool,
+    /// Whether its length is prescribed by a constraint.
+    pub is_prescribed: bool,
+    /// The input that is its natural length, if it has one; an input that is not a number stands for
+    /// the length at the start.
+    pub actuator: Option<usize>,
 }
 
 /// A constraint row.
@@ -116,6 +123,11 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// Coordinates in static equilibrium that are not driven, by index.
+    pub fn statics(&self, driven: &[bool]) -> Vec<usize> {
+        let is_static = |&c: &usize| self.coordinates[c].is_static && !driven[c];
+        (0..self.coordinates.len()).filter(is_static).collect()
+    }
     /// Numbers in a packed Newton matrix.
     pub fn matrix_size(&self) -> usize {
         self.blocks.iter().map(|b| b.coordinates.len() * b.coordinates.len()).sum()

@@ -28,6 +28,7 @@ pub mod shape;
 pub mod simulation;
 mod solve;
 pub mod start;
+mod statics;
 pub mod step;
 mod suggest;
 pub mod together;

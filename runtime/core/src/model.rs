@@ -46,6 +46,10 @@ pub struct Instant<'a> {
     pub inputs: &'a [f64],
     /// Multipliers of the step just ended, length m.
     pub lambda: &'a [f64],
+    /// Natural length of every strand at this time (m), length s.
+    pub rest: &'a [f64],
+    /// Step (s), by which a multiplier becomes a force.
+    pub h: f64,
 }
 
 /// A model: a discrete Lagrangian, forces and constraints, and the functions of time that feed it.
@@ -75,8 +79,9 @@ pub trait Model {
         matrix: &mut [f64],
     );
 
-    /// Values of all constraint rows at q, length m. Rows may depend on time.
-    fn constraints(&mut self, q: &[f64], t: f64, values: &mut [f64]);
+    /// Values of all constraint rows at q, length m. Rows may depend on time, and on the lengths that
+    /// `rest` prescribes for strands (m), length s.
+    fn constraints(&mut self, q: &[f64], t: f64, rest: &[f64], values: &mut [f64]);
 
     /// Constraint Jacobian ∂h/∂q, packed by block: row i, column j of block b at
     /// `b.constraint_offset + i * b.coordinates.len() + j`. Structural zeros are not written.
@@ -112,6 +117,9 @@ pub trait Model {
 
     /// Writes the coordinates that the scenario drives at time t.
     fn scenario_drives(&mut self, scenario: usize, t: f64, q: &mut [f64]);
+
+    /// Writes the lengths that the scenario prescribes for strands at time t (m).
+    fn scenario_rests(&mut self, _scenario: usize, _t: f64, _rest: &mut [f64]) {}
 
     /// Values of the scenario's records, in order.
     fn scenario_records(&mut self, scenario: usize, at: &Instant, values: &mut [f64]);

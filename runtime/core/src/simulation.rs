@@ -7,6 +7,7 @@ use crate::layout::Layout;
 use crate::lookup::find_scenario;
 use crate::model::{Instant, Model, ScenarioValues};
 use crate::start::{Kinetic, momentum, project};
+use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
 use std::sync::Arc;
 
@@ -51,6 +52,15 @@ pub struct Simulation<M> {
     motions: Vec<Vec<(usize, f64)>>,
     inputs: Vec<f64>,
     rest: Vec<f64>,
+    /// Lengths prescribed at the end of the step (m).
+    rest_end: Vec<f64>,
+    /// Lengths at the start (m), for inputs that stand for natural lengths.
+    start_lengths: Vec<f64>,
+    /// Whether any strand's length is prescribed.
+    is_prescribed: bool,
+    statics: Statics,
+    /// Coordinates as they are written: with statics settled at the state's time.
+    seen_q: Vec<f64>,
     /// One for each `follow` of the scenario.
     followed: Vec<Followed>,
     driven_q: Vec<f64>,
@@ -90,28 +100,17 @@ impl<M: Model> Simulation<M> {
             q[i] = driven_q[i];
             v[i] = 0.0;
         }
-        let start_moved = project(&mut model, &mut q, &driven).map_err(|(row, gap)| {
-            RunError::Start(format!(
-                "the start cannot be moved onto the constraints: `{row}` is {gap:.3e} away there\n  \
-                 try: a start nearer to a closed configuration, or check that the constraints can \
-                 all hold at once"
-            ))
-        })?;
-        if let Some(i) = (0..n).find(|&i| !q[i].is_finite()) {
-            let name = &layout.coordinates[i].name;
-            return Err(RunError::Start(format!("the start of `{name}` is not a number")));
-        }
-        let p = momentum(&mut model, &q, &v, &driven);
         let mut lengths = vec![0.0; layout.strands.len()];
         model.strand_lengths(&q, &mut lengths);
         let tolerance = values.tolerance.unwrap_or(DEFAULT_TOLERANCE);
         let mut simulation = Simulation {
-            state: State::new(q, p, v, layout.rows.len()),
+            state: State::new(q, vec![0.0; n], v, layout.rows.len()),
             h,
             steps: (duration / h + 1e-6).floor() as usize,
-            start_moved,
+            start_moved: 0.0,
             scenario,
             stepper: Stepper::new(&layout, &driven, tolerance),
+            statics: Statics::new(&layout, &driven),
             driven,
             poses,
             motions: values.motions,
@@ -120,14 +119,55 @@ impl<M: Model> Simulation<M> {
                 Followed::new(n, layout.strands.len());
                 scenario.map_or(0, |s| layout.scenarios[s].follow.len())
             ],
+            rest_end: lengths.clone(),
+            start_lengths: lengths.clone(),
             rest: lengths,
+            is_prescribed: layout.strands.iter().any(|s| s.is_prescribed),
+            seen_q: vec![0.0; n],
             driven_q,
             kinetic: Kinetic::default(),
             layout,
             model,
         };
-        simulation.feed(0.0);
+        simulation.find_start()?;
         Ok(simulation)
+    }
+
+    /// Puts the start on the constraints, measures natural lengths that are left out, and settles
+    /// what is in static equilibrium.
+    fn find_start(&mut self) -> Result<(), RunError> {
+        self.feed(0.0);
+        let (model, driven) = (&mut self.model, &self.driven);
+        let State { q, v, p, .. } = &mut self.state;
+        self.start_moved = project(model, q, &self.rest, driven).map_err(|(row, gap)| {
+            RunError::Start(format!(
+                "the start cannot be moved onto the constraints: `{row}` is {gap:.3e} away there\n  \
+                 try: a start nearer to a closed configuration, or check that the constraints can \
+                 all hold at once"
+            ))
+        })?;
+        if let Some(i) = (0..q.len()).find(|&i| !q[i].is_finite()) {
+            let name = &self.layout.coordinates[i].name;
+            return Err(RunError::Start(format!("the start of `{name}` is not a number")));
+        }
+        *p = momentum(model, q, v, driven);
+        model.strand_lengths(q, &mut self.start_lengths);
+        for (strand, layout) in self.layout.strands.iter().enumerate() {
+            if !layout.is_prescribed {
+                self.rest[strand] = self.start_lengths[strand];
+            }
+        }
+        self.feed(0.0);
+        let around = (0.0, &self.rest[..], &self.inputs[..]);
+        let settled = self.statics.settle(&mut self.model, &mut self.state.q, around);
+        settled.map_err(|(coordinate, force)| {
+            let name = &self.layout.coordinates[coordinate].name;
+            RunError::Start(format!(
+                "`{name}` finds no balance at the start: {force:.3e} N is left on it\n  \
+                 try: a start nearer to where its strands balance, or natural lengths at which they \
+                 pull"
+            ))
+        })
     }
 
     /// Names, counts and blocks of the model.
@@ -164,6 +204,10 @@ impl<M: Model> Simulation<M> {
     /// Feeds what the next step needs.
     pub(crate) fn prepare(&mut self) {
         let t1 = self.next_time();
+        if self.is_prescribed {
+            self.feed(t1);
+            self.rest_end.copy_from_slice(&self.rest);
+        }
         self.feed(0.5 * (self.state.t + t1));
         drives(&mut self.model, self.scenario, t1, &mut self.driven_q);
     }
@@ -178,6 +222,7 @@ impl<M: Model> Simulation<M> {
             t1: self.next_time(),
             inputs: &self.inputs,
             rest: &self.rest,
+            rest_end: &self.rest_end,
             driven_q: &self.driven_q,
         };
         (&mut self.model, &mut self.state, &mut self.stepper, around)
@@ -225,6 +270,9 @@ impl<M: Model> Simulation<M> {
         runs: &mut [Self; R],
         constants: &mut LaneConstants,
     ) {
+        if runs[0].is_prescribed {
+            return runs.iter_mut().for_each(Simulation::prepare);
+        }
         for run in runs.iter_mut() {
             let t1 = run.next_time();
             run.feed_but_follow(0.5 * (run.state.t + t1));
@@ -240,11 +288,19 @@ impl<M: Model> Simulation<M> {
             if let Some(scenario) = self.scenario {
                 self.model.scenario_inputs(scenario, t, &mut self.inputs);
             }
+            for (strand, &length) in self.layout.strands.iter().zip(&self.start_lengths) {
+                if let Some(input) = strand.actuator.filter(|&input| self.inputs[input].is_nan()) {
+                    self.inputs[input] = length;
+                }
+            }
         }
         if self.rest.is_empty() {
             return;
         }
         self.model.rests(t, &self.inputs, &mut self.rest);
+        if let Some(scenario) = self.scenario.filter(|_| self.is_prescribed) {
+            self.model.scenario_rests(scenario, t, &mut self.rest);
+        }
     }
 
     /// Natural lengths of several runs of one scenario that follow motions.
@@ -280,30 +336,56 @@ impl<M: Model> Simulation<M> {
         }
     }
 
+    /// Coordinates at the state's time: those in static equilibrium are balanced there, where the
+    /// state itself has them at the middle of the step.
+    pub fn coordinates(&mut self) -> &[f64] {
+        self.seen_q.copy_from_slice(&self.state.q);
+        if !self.statics.is_empty() {
+            self.feed(self.state.t);
+            let around = (self.state.t, &self.rest[..], &self.inputs[..]);
+            // Where no balance is found the next step will say so.
+            if self.statics.settle(&mut self.model, &mut self.seen_q, around).is_err() {
+                self.seen_q.copy_from_slice(&self.state.q);
+            }
+        }
+        &self.seen_q
+    }
+
     /// Energy (J) at the state: kinetic from p, projected onto the constraints' tangent space, plus
     /// potential with the natural lengths at the state's time.
     pub fn energy(&mut self) -> f64 {
+        self.coordinates();
         self.feed(self.state.t);
-        let state = &self.state;
-        let kinetic =
-            self.kinetic.energy(&mut self.model, &state.q, state.t, &state.p, &self.driven);
-        kinetic + self.model.potential(&state.q, &self.rest)
+        let (q, state) = (&self.seen_q, &self.state);
+        let kinetic = self.kinetic.energy(&mut self.model, q, state.t, &state.p, &self.driven);
+        kinetic + self.model.potential(q, &self.rest)
     }
 
     /// Values of the scenario's recorded columns at the state.
     pub fn records(&mut self, values: &mut [f64]) {
-        let Some(scenario) = self.scenario.filter(|_| !values.is_empty()) else { return };
-        let state = &self.state;
+        if let Some(scenario) = self.scenario.filter(|_| !values.is_empty()) {
+            self.look(|model, at| model.scenario_records(scenario, at, values));
+        }
+    }
+
+    /// Shows the model the instant that the state has reached.
+    pub fn look<T>(&mut self, see: impl FnOnce(&mut M, &Instant) -> T) -> T {
+        self.coordinates();
+        self.feed(self.state.t);
+        let rest = std::mem::take(&mut self.rest);
+        self.rest.clone_from(&rest);
         // Inputs are those of the step just ended.
-        self.feed(if state.step == 0 { 0.0 } else { state.t - 0.5 * self.h });
+        self.feed(if self.state.step == 0 { 0.0 } else { self.state.t - 0.5 * self.h });
         let at = Instant {
             t: self.state.t,
-            q: &self.state.q,
+            q: &self.seen_q,
             v: &self.state.v,
             inputs: &self.inputs,
             lambda: &self.state.lambda,
+            rest: &rest,
+            h: self.h,
         };
-        self.model.scenario_records(scenario, &at, values);
+        see(&mut self.model, &at)
     }
 }
 

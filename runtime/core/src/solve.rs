@@ -53,6 +53,8 @@ pub(crate) struct Entry {
 pub(crate) struct BlockSystem {
     /// Free coordinates by index.
     pub(crate) coordinates: Vec<usize>,
+    /// Which of them may be held by nothing: massless ones whose strands are slack stay where they are.
+    may_rest: Vec<bool>,
     /// Constraint rows by index.
     pub(crate) rows: Vec<usize>,
     /// Where each free coordinate's matrix entries stand: positions local to the packed block.
@@ -87,7 +89,8 @@ pub(crate) struct Singular {
 }
 
 impl BlockSystem {
-    pub(crate) fn new(block: &crate::layout::Block, driven: &[bool]) -> Self {
+    /// Of a block; coordinates in `statics` may be held by nothing for a while.
+    pub(crate) fn new(block: &crate::layout::Block, driven: &[bool], statics: &[usize]) -> Self {
         let mut free_of_local = vec![None; block.coordinates.len()];
         let (mut coordinates, mut local) = (Vec::new(), Vec::new());
         for (position, &c) in block.coordinates.iter().enumerate().filter(|(_, c)| !driven[**c]) {
@@ -131,6 +134,7 @@ impl BlockSystem {
             })
             .collect();
         BlockSystem {
+            may_rest: coordinates.iter().map(|c| statics.contains(c)).collect(),
             coordinates,
             rows: block.rows.clone(),
             local,
@@ -293,7 +297,8 @@ impl BlockSystem {
             return Err(Singular { coordinate: self.coordinates[0] });
         }
         let trial = solve_least_norm(&self.whole, size, size, &vec![0.0; size]);
-        if let Some(&column) = trial.dependent.iter().find(|&&column| column < n) {
+        let is_free = |&&column: &&usize| column < n && !self.may_rest[column];
+        if let Some(&column) = trial.dependent.iter().find(is_free) {
             return Err(Singular { coordinate: self.coordinates[column] });
         }
         self.method = Method::Whole;

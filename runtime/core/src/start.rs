@@ -9,9 +9,11 @@ use crate::model::Model;
 /// Iterates q ← q* − Gᵀμ with G Gᵀμ = h(q) + G(q* − q), the Gauss-Newton form of: least ½|q − q*|²
 /// subject to h(q) = 0. Returns the largest change of a coordinate, or, where no such q is found, the
 /// name of the row that is worst at the start and its gap there: where the search ends is chance.
+/// `rest` are the lengths that are prescribed at time zero.
 pub fn project<M: Model>(
     model: &mut M,
     q: &mut [f64],
+    rest: &[f64],
     driven: &[bool],
 ) -> Result<f64, (String, f64)> {
     let layout = model.layout().clone();
@@ -22,11 +24,11 @@ pub fn project<M: Model>(
     }
     let mut gap = vec![0.0; m];
     let mut jacobian = vec![0.0; layout.constraint_size()];
-    model.constraints(q, 0.0, &mut gap);
+    model.constraints(q, 0.0, rest, &mut gap);
     let found = worst(&layout, &gap);
     let mut previous = f64::INFINITY;
     for _ in 0..200 {
-        model.constraints(q, 0.0, &mut gap);
+        model.constraints(q, 0.0, rest, &mut gap);
         model.constraint_jacobian(q, 0.0, &mut jacobian);
         let mut change: f64 = 0.0;
         for block in &layout.blocks {
@@ -60,7 +62,7 @@ pub fn project<M: Model>(
         }
         previous = change;
     }
-    model.constraints(q, 0.0, &mut gap);
+    model.constraints(q, 0.0, rest, &mut gap);
     let largest = gap.iter().fold(0.0, |a: f64, x| if x.abs() <= a { a } else { x.abs() });
     if !(largest <= 1e-10 * layout.length_scale.max(1e-3)) {
         return Err(found);

@@ -44,7 +44,7 @@ pub fn columns<M: Model>(simulation: &Simulation<M>) -> Vec<String> {
 pub fn row<M: Model>(simulation: &mut Simulation<M>, row: &mut Vec<f64>) {
     row.clear();
     row.push(simulation.state.t);
-    row.extend_from_slice(&simulation.state.q);
+    row.extend_from_slice(simulation.coordinates());
     for (i, &driven) in simulation.driven().iter().enumerate() {
         if !driven {
             row.push(simulation.state.p[i]);

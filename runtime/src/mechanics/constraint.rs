@@ -11,8 +11,15 @@ use crate::vector::{Mat3, Vec3};
 use handc_core::scalar::Scalar;
 
 impl<S: Scalar> Mechanics<'_, S> {
-    /// Values of all rows at q.
-    pub fn constraints(&self, workspace: &mut Workspace<S>, q: &[S], t: S, values: &mut [S]) {
+    /// Values of all rows at q, with the lengths `rest` that prescribed strands are to have.
+    pub fn constraints(
+        &self,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        t: S,
+        rest: &[S],
+        values: &mut [S],
+    ) {
         self.prepare_constraints(workspace, q);
         for (index, constraint) in self.mechanism.constraints.iter().enumerate() {
             let first = self.structure.first_row[index];
@@ -44,6 +51,10 @@ impl<S: Scalar> Mechanics<'_, S> {
                 }
                 ConstraintKind::Equation(function) => {
                     values[first] = self.equation(workspace, q, t, function, false).0;
+                }
+                ConstraintKind::Length(strand) => {
+                    let strand = *strand as usize;
+                    values[first] = workspace.strand.lengths[strand] - rest[strand];
                 }
             }
         }
@@ -116,6 +127,13 @@ impl<S: Scalar> Mechanics<'_, S> {
                         add(0, coordinate, dq);
                     }
                 }
+                ConstraintKind::Length(strand) => {
+                    let path = &self.structure.strands[*strand as usize];
+                    let length_dq = &workspace.strand.length_dq[path.span.clone()];
+                    for (&coordinate, &dq) in path.coordinates.iter().zip(length_dq) {
+                        add(0, coordinate, dq);
+                    }
+                }
             }
         }
     }
@@ -124,10 +142,16 @@ impl<S: Scalar> Mechanics<'_, S> {
         self.prepare(workspace, q);
         self.world_links(workspace, q, |link| self.structure.world_links[link]);
         for constraint in &self.mechanism.constraints {
-            if let ConstraintKind::Equation(function) = &constraint.kind {
-                for strand in lengths_read(function) {
-                    self.strand_length(workspace, q, strand, Order::First);
+            match &constraint.kind {
+                ConstraintKind::Equation(function) => {
+                    for strand in lengths_read(function) {
+                        self.strand_length(workspace, q, strand, Order::First);
+                    }
                 }
+                ConstraintKind::Length(strand) => {
+                    self.strand_length(workspace, q, *strand as usize, Order::First);
+                }
+                _ => {}
             }
         }
     }

@@ -10,11 +10,13 @@ use crate::expression::{Function, Variable};
 use crate::vector::Vec3;
 use handc_core::scalar::Scalar;
 
-/// Derivatives of a force component: by coordinate, and by rate.
+/// Derivatives of a function of the state: by coordinate, by rate, and by what the strand that owns
+/// it does ([`Own`](crate::expression::Own)).
 #[derive(Clone, Debug)]
-struct Slopes<S> {
-    dq: Vec<(usize, S)>,
-    dv: Vec<(usize, S)>,
+pub(crate) struct Slopes<S> {
+    pub(crate) dq: Vec<(usize, S)>,
+    pub(crate) dv: Vec<(usize, S)>,
+    pub(crate) own: [S; 3],
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
@@ -26,7 +28,7 @@ impl<S: Scalar> Mechanics<'_, S> {
             Variable::Coordinate(i) => at.q[i as usize],
             Variable::Rate(i) => at.v[i as usize],
             Variable::Length(i) => workspace.strand.lengths[i as usize],
-            Variable::Multiplier(_) => S::zero(),
+            Variable::Multiplier(_) | Variable::Own(_) | Variable::Strand(..) => S::zero(),
         }
     }
 
@@ -38,16 +40,33 @@ impl<S: Scalar> Mechanics<'_, S> {
         function: &Function,
         slopes: bool,
     ) -> (S, Slopes<S>) {
+        self.function_of(workspace, at, function, [S::zero(); 3], slopes)
+    }
+
+    /// As [`Mechanics::function`], for one that belongs to a strand which does `own`.
+    pub(crate) fn function_of(
+        &self,
+        workspace: &mut Workspace<S>,
+        at: &At<S>,
+        function: &Function,
+        own: [S; 3],
+        slopes: bool,
+    ) -> (S, Slopes<S>) {
         let mut values = std::mem::take(&mut workspace.values);
-        function.program.evaluate(|variable| self.read(workspace, at, variable), &mut values);
+        let read = |variable| match variable {
+            Variable::Own(which) => own[which as usize],
+            other => self.read(workspace, at, other),
+        };
+        function.program.evaluate(read, &mut values);
         let value = function.program.output(&values, 0);
-        let mut found = Slopes { dq: Vec::new(), dv: Vec::new() };
+        let mut found = Slopes { dq: Vec::new(), dv: Vec::new(), own: [S::zero(); 3] };
         if slopes {
             for (k, variable) in function.gradient.iter().enumerate() {
                 let slope = function.program.output(&values, k + 1);
                 match *variable {
                     Variable::Coordinate(i) => found.dq.push((i as usize, slope)),
                     Variable::Rate(i) => found.dv.push((i as usize, slope)),
+                    Variable::Own(which) => found.own[which as usize] = slope,
                     Variable::Length(s) => {
                         let path = &self.structure.strands[s as usize];
                         let length_dq = &workspace.strand.length_dq[path.span.clone()];

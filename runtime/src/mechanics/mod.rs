@@ -13,6 +13,7 @@ pub mod energy;
 pub mod force;
 pub mod inertia;
 pub mod joint;
+mod law;
 mod run;
 pub mod segment;
 pub mod strand;
@@ -139,7 +140,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
         self.prepare(workspace, at.q);
         self.add_inertia(workspace, at.q, at.v, &mut terms);
-        self.add_strands(workspace, at.q, at.rest, &mut terms);
+        self.add_strands(workspace, at, &mut terms);
         terms.unfold(self.structure);
         self.add_joints(at, &mut terms);
         self.add_torques(workspace, at, &mut terms);

@@ -1,7 +1,9 @@
-//! Strands: V = ½k(x − x₀)² over the length x of a path, its gradient and its Hessian.
+//! Strands: forces along paths, from the tension of a law and the derivatives of a length.
 
+use super::law::Pull;
 use super::segment::{Order, Segments};
-use super::{Mechanics, Terms, Workspace};
+use super::{At, Mechanics, Terms, Workspace};
+use crate::mechanism::Law;
 use crate::structure::Structure;
 use handc_core::scalar::Scalar;
 
@@ -15,46 +17,146 @@ pub struct Scratch<S> {
     /// Derivatives of every strand's length by the coordinates of its path, one after another
     /// ([`StrandPath::span`](crate::structure::StrandPath)).
     pub(crate) length_dq: Vec<S>,
+    /// Their rates of change, of the strand last evaluated.
+    length_dqdt: Vec<S>,
 }
 
 impl<S: Scalar> Scratch<S> {
     pub(crate) fn new(structure: &Structure) -> Self {
         let strands = &structure.strands;
+        let derivatives = strands.last().map_or(0, |path| path.span.end);
         Scratch {
             segments: Segments::new(),
             lengths: vec![S::zero(); strands.len()],
-            length_dq: vec![S::zero(); strands.last().map_or(0, |path| path.span.end)],
+            length_dq: vec![S::zero(); derivatives],
+            length_dqdt: vec![S::zero(); derivatives],
         }
     }
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
-    /// Adds the force and the stiffness of every strand.
+    /// Adds the force −T·x_q of every strand, and its derivatives
+    /// −(h/4)(T_x x_q x_qᵀ + T x_qq + T_ẋ x_q (x_qq v)ᵀ) − ½T_ẋ x_q x_qᵀ.
     pub(crate) fn add_strands(
         &self,
         workspace: &mut Workspace<S>,
-        q: &[S],
-        rest: &[S],
+        at: &At<S>,
         terms: &mut Terms<S>,
     ) {
-        let quarter = terms.matrix.as_ref().map(|(h, _)| h.scale(0.25));
-        let order = if quarter.is_some() { Order::Second } else { Order::First };
+        let h = terms.matrix.as_ref().map(|(h, _)| *h);
+        let order = if h.is_some() { Order::Second } else { Order::First };
         for (index, path) in self.structure.strands.iter().enumerate() {
-            self.strand_length(workspace, q, index, order);
-            let scratch = &workspace.strand;
-            let stiffness = self.numbers.strands[index].stiffness;
-            let tension = stiffness * (scratch.lengths[index] - rest[index]);
-            let length_dq = &scratch.length_dq[path.span.clone()];
-            for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
-                terms.force[row] -= tension * dq;
+            self.strand_length(workspace, at.q, index, order);
+            let strand = &self.mechanism.strands[index];
+            if strand.law == Law::Prescribed {
+                continue;
             }
-            if let (Some(quarter), Some((_, matrix))) = (quarter, &mut terms.matrix) {
-                self.add_stiffness(
-                    workspace,
-                    index,
-                    (stiffness * quarter, tension * quarter),
-                    matrix,
-                );
+            let rate =
+                if strand.has_rate() { self.strand_rate(workspace, index, at.v) } else { S::zero() };
+            let length = workspace.strand.lengths[index];
+            let pull = self.pull(workspace, at, index, (length, rate), h.is_some());
+            let length_dq = &workspace.strand.length_dq[path.span.clone()];
+            for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
+                terms.force[row] -= pull.tension * dq;
+            }
+            let Some(h) = h else { continue };
+            let quarter = h.scale(0.25);
+            let mut along = pull.length_slope * quarter;
+            if let Some(slope) = pull.rate_slope {
+                along += slope.scale(0.5);
+                self.add_turning(workspace, index, at.v, slope * quarter, terms);
+            }
+            if let Some((_, matrix)) = &mut terms.matrix {
+                self.add_stiffness(workspace, index, (along, pull.tension * quarter), matrix);
+            }
+            self.add_others(workspace, index, &pull, h, terms);
+        }
+    }
+
+    /// Rate ẋ = x_q·v of the strand just evaluated.
+    pub(crate) fn strand_rate(&self, workspace: &Workspace<S>, index: usize, v: &[S]) -> S {
+        let path = &self.structure.strands[index];
+        let length_dq = &workspace.strand.length_dq[path.span.clone()];
+        let mut rate = S::zero();
+        for (&coordinate, &dq) in path.coordinates.iter().zip(length_dq) {
+            rate += dq * v[coordinate];
+        }
+        rate
+    }
+
+    /// Subtracts `weight`·x_i (x_qq v)_j of the strand just evaluated: its rate changes as its
+    /// moment arms do.
+    fn add_turning(
+        &self,
+        workspace: &mut Workspace<S>,
+        index: usize,
+        v: &[S],
+        weight: S,
+        terms: &mut Terms<S>,
+    ) {
+        let path = &self.structure.strands[index];
+        let Scratch { segments, length_dq, length_dqdt, .. } = &mut workspace.strand;
+        let length_dq = &length_dq[path.span.clone()];
+        let turning = &mut length_dqdt[path.span.clone()];
+        turning.fill(S::zero());
+        let (mut first, mut squares) = (0, segments.squares.iter());
+        for (segment, &inverse) in path.segments.iter().zip(&segments.inverse) {
+            let positions = &segment.positions;
+            let dq = &segments.length_dq[first..first + positions.len()];
+            first += dq.len();
+            let rate_of = |position: usize| v[path.coordinates[position]];
+            let mut rate = S::zero();
+            for (&position, &dq) in positions.iter().zip(dq) {
+                rate += dq * rate_of(position);
+            }
+            for (i, &row) in positions.iter().enumerate() {
+                turning[row] -= inverse * dq[i] * rate;
+                for &column in &positions[..=i] {
+                    let Some(&square) = squares.next() else { continue };
+                    turning[row] += inverse * square * rate_of(column);
+                    if column != row {
+                        turning[column] += inverse * square * rate_of(row);
+                    }
+                }
+            }
+        }
+        let coordinates = &path.coordinates;
+        for i in 0..coordinates.len() {
+            let own = -(weight * length_dq[i] * turning[i]);
+            terms.add(self.structure, coordinates[i], coordinates[i], own);
+            for j in 0..i {
+                let pair = self.structure.pair(coordinates[i], coordinates[j]);
+                let below = length_dq[i] * turning[j];
+                let above = length_dq[j] * turning[i];
+                let half = weight.scale(-0.5);
+                terms.add_pair(pair, half * (below + above), half * (below - above));
+            }
+        }
+    }
+
+    /// Subtracts what a commanded tension changes with other coordinates and rates.
+    fn add_others(
+        &self,
+        workspace: &Workspace<S>,
+        index: usize,
+        pull: &Pull<S>,
+        h: S,
+        terms: &mut Terms<S>,
+    ) {
+        let path = &self.structure.strands[index];
+        let by = [(&pull.dq, h.scale(-0.25)), (&pull.dv, S::constant(-0.5))];
+        for (slopes, weight) in by {
+            for &(column, slope) in slopes {
+                let length_dq = &workspace.strand.length_dq[path.span.clone()];
+                for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
+                    let value = weight * slope * dq;
+                    if row == column {
+                        terms.add(self.structure, row, row, value);
+                    } else {
+                        let half = value.scale(0.5);
+                        terms.add_pair(self.structure.pair(row, column), half, half);
+                    }
+                }
             }
         }
     }
@@ -105,7 +207,7 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         let path = &self.structure.strands[index];
         let numbers = &self.numbers.strands[index];
-        let Scratch { segments, lengths, length_dq } = &mut workspace.strand;
+        let Scratch { segments, lengths, length_dq, .. } = &mut workspace.strand;
         segments.begin(numbers.constant_length);
         for (segment_path, resolved) in path.segments.iter().zip(&numbers.segments) {
             self.segment(&workspace.sin_cos, q, segment_path, resolved, order, segments);
@@ -145,17 +247,16 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// Tensions of all strands at q with the given natural lengths (N).
-    pub fn strand_tensions(
-        &self,
-        workspace: &mut Workspace<S>,
-        q: &[S],
-        rest: &[S],
-        tensions: &mut [S],
-    ) {
-        self.strand_lengths(workspace, q, tensions);
-        for (index, tension) in tensions.iter_mut().enumerate() {
-            *tension = self.numbers.strands[index].stiffness * (*tension - rest[index]);
+    /// What all strands do at a state: rate ẋ (m/s), tension (N), whether it pulls (1, 0 or between)
+    /// and the power that damping takes (W), four numbers for each.
+    pub fn strand_states(&self, workspace: &mut Workspace<S>, at: &At<S>, states: &mut [[S; 4]]) {
+        self.prepare(workspace, at.q);
+        for (index, state) in states.iter_mut().enumerate() {
+            self.strand_length(workspace, at.q, index, Order::First);
+            let rate = self.strand_rate(workspace, index, at.v);
+            let length = workspace.strand.lengths[index];
+            let pull = self.pull(workspace, at, index, (length, rate), false);
+            *state = [rate, pull.tension, pull.taut, pull.dissipation];
         }
     }
 }

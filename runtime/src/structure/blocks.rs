@@ -2,7 +2,7 @@
 
 use super::Structure;
 use crate::expression::{Function, Variable};
-use crate::mechanism::{ConstraintKind, Mechanism};
+use crate::mechanism::{ConstraintKind, Law, Mechanism};
 use crate::resolved::constraint_points;
 use handc_core::layout::Block;
 
@@ -28,6 +28,7 @@ impl Structure {
     pub fn constraint_coordinates(&self, kind: &ConstraintKind) -> Vec<usize> {
         let mut coordinates = match kind {
             ConstraintKind::Equation(function) => self.function_coordinates(function),
+            ConstraintKind::Length(strand) => self.strands[*strand as usize].coordinates.clone(),
             other => constraint_points(other)
                 .iter()
                 .flat_map(|point| self.chain_coordinates(point.link))
@@ -45,7 +46,15 @@ impl Structure {
                 groups.push(self.chain_coordinates(Some(link as u32)));
             }
         }
-        groups.extend(self.strands.iter().map(|s| s.coordinates.clone()));
+        for (strand, path) in mechanism.strands.iter().zip(&self.strands) {
+            let mut group = match &strand.law {
+                Law::Prescribed => continue,
+                Law::Tension(function) => self.function_coordinates(function),
+                Law::Linear { .. } | Law::Energy(_) => Vec::new(),
+            };
+            group.extend(&path.coordinates);
+            groups.push(group);
+        }
         for torque in &mechanism.torques {
             let mut group = self.function_coordinates(&torque.value);
             group.push(torque.coordinate as usize);

@@ -6,8 +6,9 @@
 
 mod blocks;
 mod paths;
+mod statics;
 
-use crate::mechanism::{Mechanism, Motion};
+use crate::mechanism::{ConstraintKind, Mechanism, Motion};
 use crate::resolved::constraint_points;
 use crate::run::find_runs;
 use handc_core::layout::Block;
@@ -77,6 +78,11 @@ pub struct Structure {
     pub first_row: Vec<usize>,
     /// Links whose world transform is needed by constraints, forces or gravity.
     pub world_links: Vec<bool>,
+    /// Rows that prescribe the length of a strand, and the strand.
+    pub prescribed: Vec<(usize, usize)>,
+    /// Coordinates in static equilibrium: of massless nodes, where nothing depends on their rates and
+    /// no constraint holds them.
+    pub is_static: Vec<bool>,
     /// Blocks of the step equations.
     pub blocks: Vec<Block>,
     /// Block of each coordinate and its position there; `None` for kinematic ones.
@@ -109,6 +115,8 @@ impl Structure {
             trees: Vec::new(),
             strands: Vec::new(),
             world_links: vec![false; count],
+            prescribed: Vec::new(),
+            is_static: Vec::new(),
             blocks: Vec::new(),
             slots: vec![None; count],
             row_slots: vec![None; first_row[mechanism.constraints.len()]],
@@ -123,11 +131,21 @@ impl Structure {
             path.span = end..end + path.coordinates.len();
             end = path.span.end;
         }
+        structure.find_prescribed(mechanism);
+        structure.find_statics(mechanism);
         structure.mark_world_links(mechanism);
         structure.find_blocks(mechanism);
         structure.find_strand_slots();
         structure.find_run_pairs();
         structure
+    }
+
+    fn find_prescribed(&mut self, mechanism: &Mechanism) {
+        for (constraint, &row) in mechanism.constraints.iter().zip(&self.first_row) {
+            if let ConstraintKind::Length(strand) = constraint.kind {
+                self.prescribed.push((row, strand as usize));
+            }
+        }
     }
 
     fn find_run_pairs(&mut self) {

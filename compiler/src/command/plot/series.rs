@@ -9,7 +9,7 @@ use handc_dsl::hir::{self, ConstraintKind};
 use handc_plot::timeplot::{by_size, energy};
 use handc_plot::{Curve, Quantity, Unit};
 use handc_runtime::interpreter::Interpreter;
-use handc_runtime::resolved::Resolved;
+use handc_runtime::expression::StrandQuantity;
 
 /// Most instants that are kept; longer runs are thinned out.
 const INSTANTS: usize = 20_000;
@@ -54,20 +54,16 @@ pub(super) fn run(model: Interpreter, settings: &Settings) -> Result<Run, RunErr
         failure: None,
         simulation,
     };
-    let mechanism = run.simulation.model.mechanism().clone();
-    let numbers = Resolved::new(&mechanism, run.simulation.model.params());
-    let stiffness: Vec<f64> =
-        mechanism.strands.iter().map(|s| numbers.number(s.stiffness)).collect();
     let steps = run.simulation.steps;
     let every = steps.div_ceil(INSTANTS).max(1);
-    run.keep(&stiffness);
+    run.keep();
     for step in 1..=steps {
         if let Err(error) = run.simulation.step() {
             run.failure = Some(error);
             break;
         }
         if step % every == 0 || step == steps {
-            run.keep(&stiffness);
+            run.keep();
         }
     }
     Ok(run)
@@ -75,19 +71,19 @@ pub(super) fn run(model: Interpreter, settings: &Settings) -> Result<Run, RunErr
 
 impl Run {
     /// Keeps the numbers of the current instant.
-    fn keep(&mut self, stiffness: &[f64]) {
+    fn keep(&mut self) {
         let simulation = &mut self.simulation;
         let mut records = vec![0.0; self.records.len()];
         simulation.records(&mut records);
         push(&mut self.records, &records);
-        // The energy feeds the natural lengths of this instant.
         self.energy.push(simulation.energy());
-        let q = simulation.state.q.clone();
+        let q = simulation.coordinates().to_vec();
         let mut lengths = vec![0.0; self.lengths.len()];
         simulation.model.strand_lengths(&q, &mut lengths);
-        let rest = simulation.rest();
-        let tension = |i: usize| stiffness[i] * (lengths[i] - rest[i]);
-        let tensions: Vec<f64> = (0..lengths.len()).map(tension).collect();
+        let mut states = vec![[0.0; 4]; self.lengths.len()];
+        simulation.look(|model, at| model.strand_states_at(at, &mut states));
+        let tensions: Vec<f64> =
+            states.iter().map(|state| state[StrandQuantity::Tension as usize]).collect();
         let h = simulation.h;
         // Multipliers belong to a step, and none has been taken at the start.
         let started = simulation.state.step > 0;
@@ -146,6 +142,7 @@ fn constraint_forces(run: &Run, model: &hir::Model) -> Vec<Quantity> {
         }
         ConstraintKind::OnPlane { .. } => vec!["N"],
         ConstraintKind::Weld { .. } => vec!["N", "N", "N", "N·m", "N·m", "N·m"],
+        ConstraintKind::Length(_) => vec!["N"],
         ConstraintKind::Distance { .. } => vec!["N/m"],
         ConstraintKind::Equation { .. } => vec!["SI"],
     });

@@ -95,8 +95,8 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             "rows",
             "constraints",
             &|m| m == Module::Constraints,
-            vec![read("q"), write("rows", "rows")],
-            &[("q", input()), ("t", f64()), ("rows", output())],
+            vec![read("q"), read("rest"), write("rows", "rows")],
+            &[("q", input()), ("t", f64()), ("rest", input()), ("rows", output())],
         ),
         make(
             "jacobian",
@@ -312,6 +312,10 @@ fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
         &[number(), f64(), ("q", output())],
         &by_scenario("drives", &[("q", quote!(sized_mut(q)))]),
     );
+    let rests = by_scenario("rests", &[("rest", quote!(sized_mut(rest)))]);
+    let rests = (!rests.is_empty()).then(|| {
+        method("scenario_rests", &[number(), f64(), ("rest", output())], &rests)
+    });
     let records = method(
         "scenario_records",
         &[number(), ("at", quote!(&Instant)), ("columns", output())],
@@ -323,6 +327,8 @@ fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
                 ("t", quote!(at.t)),
                 ("inputs", quote!(sized(at.inputs))),
                 ("lambda", quote!(sized(at.lambda))),
+                ("rest", quote!(sized(at.rest))),
+                ("h", quote!(at.h)),
                 ("records", quote!(columns)),
             ],
         ),
@@ -332,6 +338,7 @@ fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
         fn scenario(&mut self, #scenario) -> ScenarioValues { #values }
         #inputs
         #drives
+        #rests
         #records
     }
 }

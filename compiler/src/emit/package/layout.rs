@@ -120,7 +120,7 @@ fn data(layout: &Layout) -> TokenStream {
     let params = layout.params.iter().map(quantity);
     let inputs = layout.inputs.iter().map(quantity);
     let coordinates = layout.coordinates.iter().map(|c| {
-        let (name, kinematic) = (&c.name, c.kinematic);
+        let (name, kinematic, is_static) = (&c.name, c.kinematic, c.is_static);
         let kind = match c.kind {
             CoordinateKind::Angle => quote!(Angle),
             CoordinateKind::Length => quote!(Length),
@@ -129,11 +129,24 @@ fn data(layout: &Layout) -> TokenStream {
             name: #name.into(),
             kind: CoordinateKind::#kind,
             kinematic: #kinematic,
+            is_static: #is_static,
         })
     });
     let strands = layout.strands.iter().map(|s| {
-        let (name, has_rest) = (&s.name, s.has_rest);
-        quote!(Strand { name: #name.into(), has_rest: #has_rest })
+        let (name, has_rest, is_prescribed) = (&s.name, s.has_rest, s.is_prescribed);
+        let actuator = match s.actuator {
+            Some(input) => {
+                let input = integer(input);
+                quote!(Some(#input))
+            }
+            None => quote!(None),
+        };
+        quote!(Strand {
+            name: #name.into(),
+            has_rest: #has_rest,
+            is_prescribed: #is_prescribed,
+            actuator: #actuator,
+        })
     });
     let rows = layout.rows.iter().map(|r| {
         let name = &r.name;

@@ -260,6 +260,7 @@ impl Naming for Names {
             Leaf::Length(i) => format!("length_{}", self.strands.originals[i as usize]),
             Leaf::Param(i) => self.params.originals[i as usize].clone(),
             Leaf::Input(i) => self.inputs.originals[i as usize].clone(),
+            Leaf::Own(_) | Leaf::Strand(..) => unreachable!("staging replaces {leaf:?}"),
             Leaf::Lambda(i) => format!("lambda_{}", self.rows.originals[i as usize]),
             Leaf::Value(i) => format!("value_{i}"),
             Leaf::Constant(i) => format!("c_{i}"),

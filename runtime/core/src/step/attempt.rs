@@ -110,7 +110,7 @@ impl Stepper {
             model.evaluate(&at, &mut self.momentum, &mut self.force);
         }
         if !self.lambda.is_empty() {
-            model.constraints(&self.q1, around.t1, &mut self.gap);
+            model.constraints(&self.q1, around.t1, around.rest_end, &mut self.gap);
             if with_matrix {
                 model.constraint_jacobian(&self.q1, around.t1, &mut self.g1);
             }
@@ -290,6 +290,7 @@ impl Stepper {
         for i in (0..self.delta.len()).filter(|&i| self.driven[i]) {
             state.q[i] = around.driven_q[i];
         }
+        self.rest_statics(state, around.h);
         state.lambda.copy_from_slice(&self.lambda);
         self.predictor.learn(state.step, &self.delta, &mut state.differences);
         state.t = around.t1;

@@ -77,6 +77,7 @@ impl Stepper {
         for &i in &self.driven_list {
             (state.q[i], state.p[i]) = (around.driven_q[i], 0.0);
         }
+        self.rest_statics(state, around.h);
         self.predictor.learn(state.step, &self.delta, &mut state.differences);
         state.t = around.t1;
         state.step += 1;

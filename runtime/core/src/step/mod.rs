@@ -6,7 +6,8 @@
 //! p0 + (h/2)·f(q_mid, v_mid) − p(q_mid, v_mid) − Dh(q0)ᵀλ = 0,  h(q1) = 0,
 //!
 //! with p = ∂L/∂q̇ and f = ∂L/∂q + F; then p1 = p + (h/2)·f, which the last evaluation already
-//! holds. Newton starts from the polynomial through the last configurations whose degree has lately
+//! holds. A coordinate that moves no mass has p = 0 and so f = 0: its value at the middle of the step
+//! is the unknown that balances the forces there, and is what the state keeps of it. Newton starts from the polynomial through the last configurations whose degree has lately
 //! foretold the motion best, so that a smooth motion needs one iteration.
 
 mod attempt;
@@ -44,7 +45,7 @@ pub struct State {
     pub step: usize,
     /// Time (s).
     pub t: f64,
-    /// Coordinates.
+    /// Coordinates; those in static equilibrium at the middle of the step just ended.
     pub q: Vec<f64>,
     /// Discrete momenta; zero for kinematic and driven coordinates.
     pub p: Vec<f64>,
@@ -75,6 +76,8 @@ pub struct Surroundings<'a> {
     pub inputs: &'a [f64],
     /// Natural lengths at the middle of the step (m).
     pub rest: &'a [f64],
+    /// Lengths prescribed for strands at the end of the step (m); others are not read.
+    pub rest_end: &'a [f64],
     /// Coordinates at the end of the step; only those of driven coordinates are read.
     pub driven_q: &'a [f64],
 }
@@ -115,6 +118,8 @@ pub struct Stepper {
     predictor: Predictor,
     /// The driven coordinates by index.
     driven_list: Vec<usize>,
+    /// The coordinates in static equilibrium, by index.
+    static_list: Vec<usize>,
     /// Whether every block is free of constraints and of drives, so that lanes can take the step.
     on_lanes: bool,
     structure_seen: bool,
@@ -143,7 +148,10 @@ impl Stepper {
             })
             .collect();
         Stepper {
-            blocks: layout.blocks.iter().map(|b| BlockSystem::new(b, driven)).collect(),
+            blocks: {
+                let statics = layout.statics(driven);
+                layout.blocks.iter().map(|b| BlockSystem::new(b, driven, &statics)).collect()
+            },
             driven: driven.to_vec(),
             floor_scale: floor_scale.clone(),
             tolerance,
@@ -173,6 +181,7 @@ impl Stepper {
             condition: f64::NAN,
             predictor: Predictor::new(&floor_scale, driven),
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
+            static_list: layout.statics(driven),
             on_lanes: layout.rows.is_empty()
                 && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
             structure_seen: false,
@@ -209,6 +218,16 @@ impl Stepper {
             }
         }
         Err(self.report(model, state, around, last, self.iterations - before))
+    }
+
+    /// Puts coordinates in static equilibrium where the forces balance: at the middle of the step,
+    /// where the equation was solved, and not beyond it. They carry no momentum.
+    fn rest_statics(&self, state: &mut State, h: f64) {
+        for &c in &self.static_list {
+            state.q[c] -= 0.5 * self.delta[c];
+            state.v[c] = 0.5 * self.delta[c] / h;
+            state.p[c] = 0.0;
+        }
     }
 
     /// Before the first step: which constraints touch which coordinates.
