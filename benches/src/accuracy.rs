@@ -245,7 +245,7 @@ fn ours(
     let mut rows = vec![0.0; layout.rows.len()];
     let mut gap = None;
     for (q, row) in q.iter().zip(&table.rows).filter(|_| !layout.rows.is_empty()) {
-        model.constraints(q, row[0], &mut rows);
+        model.constraints(q, row[0], &[], &mut rows);
         gap = Some(rows.iter().fold(gap.unwrap_or(0.0), |m: f64, r| m.max(r.abs())));
     }
     Ok(Run {

@@ -2,7 +2,7 @@
 
 use handc_runtime::expression::Program;
 use handc_runtime::mechanism::{
-    Body, Constraint, ConstraintKind, Coordinate, Frame, Link, Mechanism, Motion, Number,
+    Body, Constraint, ConstraintKind, Coordinate, Frame, Law, Link, Mechanism, Motion, Number,
     NumberTransform, Point, Strand,
 };
 use serde_json::Value;
@@ -49,6 +49,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
                     limits: None,
                     limit_stiffness: Number::ZERO,
                     drive: None,
+                    is_node: false,
                 });
                 let axis = vector(unit);
                 mechanism.links.push(Link {
@@ -120,7 +121,10 @@ pub fn mechanism(json: &Value) -> Mechanism {
                 .iter()
                 .map(|p| point(&p["frame"], triple(&p["offset"])))
                 .collect(),
-            stiffness: number(strand["k"].as_f64().unwrap()),
+            law: Law::Linear { stiffness: number(strand["k"].as_f64().unwrap()) },
+            damping: Number::ZERO,
+            slack: None,
+            actuator: None,
             rest: None,
         });
     }
@@ -130,7 +134,10 @@ pub fn mechanism(json: &Value) -> Mechanism {
             source: String::new(),
             doc: String::new(),
             points: vec![point(&spring["frame1"], [0.0; 3]), point(&spring["frame2"], [0.0; 3])],
-            stiffness: number(spring["k"].as_f64().unwrap()),
+            law: Law::Linear { stiffness: number(spring["k"].as_f64().unwrap()) },
+            damping: Number::ZERO,
+            slack: None,
+            actuator: None,
             rest: Some(constant(spring["x0"].as_f64().unwrap())),
         });
     }

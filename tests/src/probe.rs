@@ -163,7 +163,7 @@ fn functions<M: Model>(
     model.mass_matrix(q, &mut mass);
     say("mass", &mass);
     let mut gap = vec![0.0; m];
-    model.constraints(q, t, &mut gap);
+    model.constraints(q, t, rest, &mut gap);
     say("constraints", &gap);
     let mut jacobian = vec![0.0; layout.constraint_size()];
     model.constraint_jacobian(q, t, &mut jacobian);
@@ -186,8 +186,11 @@ fn functions<M: Model>(
     say("scenario inputs", &given);
     model.scenario_drives(scenario, t, &mut driven);
     say("scenario drives", &driven);
+    model.scenario_rests(scenario, t, &mut natural);
+    say("scenario rests", &natural);
     let mut records = vec![0.0; layout.scenarios[scenario].records.len()];
-    model.scenario_records(scenario, &Instant { t, q, v, inputs, lambda }, &mut records);
+    let at = Instant { t, q, v, inputs, lambda, rest, h };
+    model.scenario_records(scenario, &at, &mut records);
     for (name, value) in layout.scenarios[scenario].records.iter().zip(&records) {
         say(&format!("record {name}"), &[*value]);
     }

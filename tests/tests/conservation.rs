@@ -150,7 +150,7 @@ fn constraints_hold() {
         let mut worst: f64 = 0.0;
         for _ in 0..steps {
             run.step().unwrap();
-            run.model.constraints(&run.state.q, run.state.t, &mut gap);
+            run.model.constraints(&run.state.q, run.state.t, &[], &mut gap);
             worst = gap.iter().fold(worst, |a, g| a.max(g.abs()));
         }
         let length = run.layout().length_scale;

@@ -190,8 +190,8 @@ fn constraint_jacobian() {
         for j in (0..n).filter(|&j| structure.slots[j].is_some()) {
             let mut values = vec![Dual::zero(); rows];
             oracle.kernels(|mechanics, workspace| {
-                let q = seeded(&place.q, j);
-                mechanics.constraints(workspace, &q, Dual::constant(0.3), &mut values);
+                let (q, rest) = (seeded(&place.q, j), fixed(&place.rest));
+                mechanics.constraints(workspace, &q, Dual::constant(0.3), &rest, &mut values);
             });
             for (row, value) in values.iter().enumerate() {
                 found.push(structure.row_slot(row, j).map_or(0.0, |slot| jacobian[slot]));

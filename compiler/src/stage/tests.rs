@@ -44,6 +44,7 @@ fn coordinate(name: &str, start: f64) -> Coordinate {
         limits: None,
         limit_stiffness: Number::ZERO,
         drive: None,
+        is_node: false,
     }
 }
 
@@ -91,7 +92,10 @@ fn strand(name: &str, points: Vec<Point>) -> Strand {
         source: "sample.hdl:20".into(),
         doc: String::new(),
         points,
-        stiffness: Number::Value(0),
+        law: Law::Linear { stiffness: Number::Value(0) },
+        damping: Number::ZERO,
+        slack: None,
+        actuator: None,
         rest: None,
     }
 }
@@ -213,7 +217,9 @@ pub(crate) fn everything() -> Mechanism {
         rest: Some(program(|| {
             Sym::leaf(Leaf::Input(0)) * Sym::constant(1e-3) + Sym::constant(0.1)
         })),
-        stiffness: Number::Constant(30.0),
+        law: Law::Linear { stiffness: Number::Constant(30.0) },
+        damping: Number::Constant(0.2),
+        slack: Some(Number::Constant(1e-3)),
         ..strand("mod.x", vec![world([0.0, 0.1, 0.0]), at(3, [0.0; 3])])
     });
     let constraint =
@@ -425,7 +431,7 @@ fn check(mechanism: Mechanism) {
         model.mass_matrix(&point.q, &mut matrix);
         same("mass", &in_blocks("mass_matrix", "matrix", matrix.len()), &matrix);
         let (mut rows, mut jacobian) = (zeros(m), zeros(layout.constraint_size()));
-        model.constraints(&point.q, T, &mut rows);
+        model.constraints(&point.q, T, &point.rest, &mut rows);
         model.constraint_jacobian(&point.q, T, &mut jacobian);
         same("rows", &find(Module::Constraints, "rows", "rows", m), &rows);
         let found = find(Module::Constraints, "jacobian", "jacobian", jacobian.len());
@@ -458,6 +464,8 @@ fn check(mechanism: Mechanism) {
                 v: &point.v,
                 inputs: &point.inputs,
                 lambda: &point.lambda,
+                rest: &point.rest,
+                h: 0.01,
             };
             model.scenario_records(0, &at, &mut records);
             let found = find(Module::Scenario(0), "records", "records", records.len());

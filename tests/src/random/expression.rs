@@ -8,18 +8,26 @@ pub(super) struct Reads {
     pub(super) time: bool,
     pub(super) inputs: bool,
     pub(super) coordinates: bool,
+    pub(super) lengths: bool,
     pub(super) rates: bool,
     /// Functions with kinks and jumps.
     pub(super) kinks: bool,
 }
 
 /// A given function of time.
-pub(super) const TIME: Reads =
-    Reads { time: true, inputs: false, coordinates: false, rates: false, kinks: true };
+pub(super) const TIME: Reads = Reads {
+    time: true,
+    inputs: false,
+    coordinates: false,
+    lengths: false,
+    rates: false,
+    kinks: true,
+};
 /// A natural length.
 pub(super) const REST: Reads = Reads { inputs: true, ..TIME };
 /// A torque or a force.
-pub(super) const LOAD: Reads = Reads { coordinates: true, rates: true, kinks: false, ..REST };
+pub(super) const LOAD: Reads =
+    Reads { coordinates: true, lengths: true, rates: true, kinks: false, ..REST };
 /// A recorded column.
 pub(super) const RECORD: Reads = Reads { kinks: true, ..LOAD };
 
@@ -85,7 +93,7 @@ fn leaf(draft: &mut Draft, reads: Reads) -> String {
                 let unit = if c.is_length { "m/s" } else { "rad/s" };
                 return ratio(&format!("rate({})", c.name), 3.0 * number, unit);
             }
-            4 if reads.coordinates && !draft.strands.is_empty() => {
+            4 if reads.lengths && !draft.strands.is_empty() => {
                 let name = draft.chance.pick(&draft.strands).clone();
                 return ratio(&format!("length({name})"), number, "m");
             }

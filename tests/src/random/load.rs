@@ -1,7 +1,7 @@
 //! Strands, inputs, torques and forces.
 
 use super::draft::Draft;
-use super::expression::{LOAD, REST, TIME, plain};
+use super::expression::{LOAD, REST, Reads, TIME, plain};
 
 /// Strands of two to six points.
 pub(super) fn strands(draft: &mut Draft) {
@@ -9,8 +9,6 @@ pub(super) fn strands(draft: &mut Draft) {
         let name = draft.fresh("s");
         let count = 2 + draft.chance.below(5);
         let points: Vec<String> = (0..count).map(|_| draft.point(0.25)).collect();
-        let stiffness = draft.chance.between(10.0, 300.0);
-        let stiffness = draft.quantity(stiffness, "N/m");
         let length = 0.2 * count as f64;
         let rest = match draft.chance.below(5) {
             0 => format!(" rest = {};", draft.quantity(length, "m")),
@@ -26,10 +24,50 @@ pub(super) fn strands(draft: &mut Draft) {
             _ => String::new(),
         };
         let path = points.join(" -> ");
-        draft
-            .lines
-            .push(format!("strand {name} {{ path = {path}; stiffness = {stiffness};{rest} }}"));
+        let law = law(draft);
+        let more = match draft.chance.below(4) {
+            0 => format!(" damping = {};", draft.quantity(0.4, "N*s/m")),
+            1 => " slack = true; slack_width = 0.2 m;".to_string(),
+            2 => " slack = true; slack_width = 0.1 m; damping = 0.3 N*s/m;".to_string(),
+            _ => String::new(),
+        };
+        draft.lines.push(format!("strand {name} {{ path = {path};{law}{rest}{more} }}"));
         draft.strands.push(name);
+    }
+}
+
+/// What makes a strand pull.
+fn law(draft: &mut Draft) -> String {
+    let stiffness = draft.chance.between(10.0, 300.0);
+    match draft.chance.below(6) {
+        0 => format!(" energy = {stiffness:.3} N/m * (x - x0)^2 / 2 * (1 + 0.3 * (x / x0 - 1));"),
+        1 => {
+            let reads = Reads { lengths: false, ..LOAD };
+            let value = plain(draft, reads, 1);
+            format!(" tension = 2 N + 0.5 N * sin({value}) + 0.2 N*s/m * rate(x) + 3 N/m * x;")
+        }
+        2 => format!(" tension = {};", draft.quantity(stiffness / 100.0, "N")),
+        _ => format!(" stiffness = {};", draft.quantity(stiffness, "N/m")),
+    }
+}
+
+/// A node that three strands hold, with mass or without.
+pub(super) fn nodes(draft: &mut Draft) {
+    if !draft.chance.is(0.3) {
+        return;
+    }
+    let name = draft.fresh("n");
+    let [x, y, z] = draft.chance.vector(0.3);
+    let frame = draft.chance.pick(&draft.frames).clone();
+    let mass = if draft.chance.is(0.5) { " mass = 20 g; damping = 0.1 N*s/m;" } else { "" };
+    draft.lines.push(format!("node {name} at ({x:.4}, {y:.4}, {z:.4}) m in {frame} {{{mass} }}"));
+    for _ in 0..4 {
+        let strand = draft.fresh("s");
+        let end = draft.point(0.6);
+        draft.lines.push(format!(
+            "strand {strand} {{ path = {name} -> {end}; stiffness = 80 N/m; rest = 0.05 m; }}"
+        ));
+        draft.strands.push(strand);
     }
 }
 

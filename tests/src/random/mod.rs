@@ -20,6 +20,7 @@ pub fn model(name: &str, seed: u64) -> Option<String> {
     let mut draft = Draft::new(name, Chance::new(seed));
     tree::tree(&mut draft);
     load::strands(&mut draft);
+    load::nodes(&mut draft);
     load::inputs(&mut draft);
     load::loads(&mut draft);
     if draft.chance.is(0.5) {

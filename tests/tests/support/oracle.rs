@@ -6,9 +6,9 @@
 
 use handc_core::scalar::Scalar;
 use handc_runtime::dual::Dual;
-use handc_runtime::expression::{Function, Variable};
+use handc_runtime::expression::{Function, Own, Variable};
 use handc_runtime::mechanics::{At, Mechanics, Workspace};
-use handc_runtime::mechanism::{Mechanism, Number, Point};
+use handc_runtime::mechanism::{Law, Mechanism, Number, Point};
 use handc_runtime::resolved::Resolved;
 use handc_runtime::structure::Structure;
 use handc_runtime::vector::{Transform, Vec3};
@@ -106,7 +106,30 @@ impl<'a> Oracle<'a> {
         }
         for (i, (strand, length)) in self.mechanism.strands.iter().zip(self.lengths(q)).enumerate()
         {
-            energy += spring(numbers.number(strand.stiffness), length - rest[i]);
+            let (stretch, seen) = match strand.slack {
+                Some(width) => {
+                    let ramp = ramp(length - rest[i], numbers.number(width));
+                    (ramp, rest[i] + ramp)
+                }
+                None => (length - rest[i], length),
+            };
+            energy += match &strand.law {
+                Law::Linear { stiffness } => spring(numbers.number(*stiffness), stretch),
+                Law::Energy(program) => program.value(|variable| match variable {
+                    Variable::Own(Own::Length) => seen,
+                    Variable::Own(Own::Rest) => rest[i],
+                    Variable::Param(p) => numbers.params[p as usize],
+                    _ => S::constant(f64::NAN),
+                }),
+                Law::Tension(function) if is_constant(function) => {
+                    let read = |variable| match variable {
+                        Variable::Param(p) => numbers.params[p as usize],
+                        _ => S::constant(f64::NAN),
+                    };
+                    seen * function.program.value(read)
+                }
+                Law::Tension(_) | Law::Prescribed => S::zero(),
+            };
         }
         for (c, &q) in self.mechanism.coordinates.iter().zip(q) {
             energy += spring(numbers.number(c.stiffness), q - numbers.number(c.rest));
@@ -131,7 +154,7 @@ impl<'a> Oracle<'a> {
                 Variable::Coordinate(i) => at.q[i as usize],
                 Variable::Rate(i) => at.v[i as usize],
                 Variable::Length(i) => lengths[i as usize],
-                Variable::Multiplier(_) => f64::NAN,
+                _ => f64::NAN,
             })
         };
         let mut force: Vec<f64> = self
@@ -144,6 +167,7 @@ impl<'a> Oracle<'a> {
         for torque in &self.mechanism.torques {
             force[torque.coordinate as usize] += value(&torque.value);
         }
+        self.add_pulls(at, &numbers, &mut force);
         let poses = self.poses(at.q);
         for (j, sum) in force.iter_mut().enumerate() {
             let turning = self.poses(&seeded(at.q, j));
@@ -159,6 +183,41 @@ impl<'a> Oracle<'a> {
         force
     }
 
+    /// Commanded tensions that vary, and dampers: −T·x_q by derivatives of the lengths themselves.
+    fn add_pulls(&self, at: &At<f64>, numbers: &Resolved<f64>, force: &mut [f64]) {
+        let arms: Vec<Vec<f64>> = (0..at.q.len())
+            .map(|j| self.lengths(&seeded(at.q, j)).iter().map(|x| x.slope).collect())
+            .collect();
+        let lengths = self.lengths(at.q);
+        for (i, strand) in self.mechanism.strands.iter().enumerate() {
+            let rate: f64 = arms.iter().zip(at.v).map(|(arms, v)| arms[i] * v).sum();
+            let taut = strand.slack.map_or(1.0, |width| {
+                let stretch = Dual::variable(lengths[i] - at.rest[i]);
+                ramp(stretch, Dual::fixed(numbers.number(width))).slope
+            });
+            let mut tension = numbers.number(strand.damping) * taut * taut * rate;
+            if let Law::Tension(function) = &strand.law
+                && !is_constant(function)
+            {
+                let read = |variable| match variable {
+                    Variable::Time => at.t,
+                    Variable::Param(p) => numbers.params[p as usize],
+                    Variable::Input(u) => at.inputs[u as usize],
+                    Variable::Coordinate(c) => at.q[c as usize],
+                    Variable::Rate(c) => at.v[c as usize],
+                    Variable::Own(Own::Length) => lengths[i],
+                    Variable::Own(Own::Rest) => at.rest[i],
+                    Variable::Own(Own::Rate) => rate,
+                    _ => f64::NAN,
+                };
+                tension += taut * function.program.value(read);
+            }
+            for (sum, arms) in force.iter_mut().zip(&arms) {
+                *sum -= tension * arms[i];
+            }
+        }
+    }
+
     /// Momentum ∂T/∂v and force ∂(T − V)/∂q + F.
     pub(crate) fn evaluate(&self, at: &At<f64>) -> (Vec<f64>, Vec<f64>) {
         let forces = self.forces(at);
@@ -171,6 +230,20 @@ impl<'a> Oracle<'a> {
             })
             .unzip()
     }
+}
+
+/// Whether a commanded tension is that of a potential.
+fn is_constant(function: &Function) -> bool {
+    function.program.variables().iter().all(|variable| matches!(variable, Variable::Param(_)))
+}
+
+/// The part of a stretch that pulls, as the integral of a step 10u³ − 15u⁴ + 6u⁵ over the width.
+fn ramp<S: Scalar>(stretch: S, width: S) -> S {
+    let half = width.scale(0.5);
+    let into = (stretch + half).max(S::zero()).min(width);
+    let u = into / width;
+    let integral = u.powi(4).scale(2.5) - u.powi(5).scale(3.0) + u.powi(6);
+    integral * width + (stretch - half).max(S::zero())
 }
 
 /// Numbers that do not vary.
