@@ -12,6 +12,7 @@ use handc_runtime::mechanism::Mechanism;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The program, built.
 #[derive(Debug)]
@@ -62,7 +63,10 @@ impl Battery {
     pub fn ask(&self, requests: &[Request]) -> Vec<Vec<Answer>> {
         let mut text = String::new();
         requests.iter().for_each(|request| write_request(request, &mut text));
-        let file = self.folder.join("requests.txt");
+        // Several tests may ask at once.
+        static ASKED: AtomicUsize = AtomicUsize::new(0);
+        let number = ASKED.fetch_add(1, Ordering::Relaxed);
+        let file = self.folder.join(format!("requests{number}.txt"));
         std::fs::write(&file, text).expect("room for the requests");
         let program = self.folder.join("target/debug/battery");
         let output = Command::new(program).arg(&file).output().expect("the battery");

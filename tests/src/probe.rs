@@ -99,7 +99,8 @@ pub fn answer<M: Model + Clone>(model: M, request: &Request) -> Vec<Answer> {
 }
 
 /// What one unit of rounding in the coordinates does to the momenta and to the multipliers of a
-/// step: Σ|K||q| of the worst row, and the same over the shortest row of the constraints' Jacobian.
+/// step: Σ|K||q| of the worst row, and the same over the shortest part of a row of the constraints'
+/// Jacobian that no other row has.
 fn rounding<M: Model>(
     simulation: &mut Simulation<M>,
     before: &State,
@@ -124,12 +125,38 @@ fn rounding<M: Model>(
             let pull = |(entry, &c): (&f64, &usize)| entry.abs() * after.q[c].abs().max(1.0);
             impulse = impulse.max(row.iter().zip(&block.coordinates).map(pull).sum());
         }
-        for row in jacobian[block.constraint_offset..].chunks(width.max(1)).take(block.rows.len()) {
-            let length = row.iter().map(|x| x * x).sum::<f64>().sqrt();
-            shortest = if length > 1e-9 { shortest.min(length) } else { shortest };
+        let rows = jacobian[block.constraint_offset..].chunks(width.max(1)).take(block.rows.len());
+        let rows: Vec<&[f64]> = rows.collect();
+        for last in 0..rows.len() {
+            // A row that others imply shares its multiplier with them, by its length.
+            let whole = rows[last].iter().map(|x| x * x).sum::<f64>().sqrt();
+            for length in [whole, beyond_others(&rows, last)] {
+                shortest = if length > 1e-9 { shortest.min(length) } else { shortest };
+            }
         }
     }
     [impulse * f64::EPSILON, impulse * f64::EPSILON / shortest]
+}
+
+/// Length of the part of a row that lies outside the span of the others (Gram and Schmidt).
+fn beyond_others(rows: &[&[f64]], last: usize) -> f64 {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let order = (0..rows.len()).filter(|&i| i != last).chain([last]);
+    let mut length = 0.0;
+    for index in order {
+        let mut rest = rows[index].to_vec();
+        for _ in 0..2 {
+            for known in &basis {
+                let along: f64 = known.iter().zip(&rest).map(|(a, b)| a * b).sum();
+                rest.iter_mut().zip(known).for_each(|(x, k)| *x -= along * k);
+            }
+        }
+        length = rest.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length > 1e-9 {
+            basis.push(rest.iter().map(|x| x / length).collect());
+        }
+    }
+    length
 }
 
 /// Every function of a model at a point.

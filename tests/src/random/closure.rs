@@ -121,7 +121,9 @@ fn constraint(
             (format!("length({strand}) == {length:.17} m + 2 mm * sin(9 rad/s * t)"), &[""], "N*s")
         }
         _ => {
-            let (i, k) = (draft.chance.below(q.len()), draft.chance.below(q.len()));
+            // Those of nodes come last and are left alone.
+            let count = draft.coordinates.len();
+            let (i, k) = (draft.chance.below(count), draft.chance.below(count));
             let (a, b) = (&draft.coordinates[i], &draft.coordinates[k]);
             if i == k || a.driven {
                 return None;
