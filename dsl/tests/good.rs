@@ -53,7 +53,8 @@ fn the_model_on_top_of_the_page() {
     assert_eq!(strand.name.doc, "Flexor digitorum profundus.");
     assert_eq!(strand.path.len(), 7);
     assert_eq!(values(&strand.path[0].offset), [-0.06, -0.01, 0.0]);
-    assert!(matches!(strand.stiffness.kind, ExprKind::Param(_)) && strand.rest.is_none());
+    let hir::Law::Stiffness(stiffness) = &strand.law else { panic!("{:?}", strand.law) };
+    assert!(matches!(stiffness.kind, ExprKind::Param(_)) && strand.rest.is_none());
     let hir::MassKind::Explicit { inertia, .. } = &model.masses[1].kind else { panic!() };
     assert_eq!(values(&**inertia.as_ref().unwrap()), [158e-9, 286e-9, 286e-9, 0.0, 0.0, 0.0]);
     assert!(matches!(model.masses[0].kind, hir::MassKind::Capsule { .. }));

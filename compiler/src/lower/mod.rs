@@ -15,8 +15,8 @@ use handc_dsl::hir;
 use handc_dsl::source::{SourceMap, Span};
 use handc_runtime::expression::{Function, Own, Program};
 use handc_runtime::mechanism::{
-    Constraint, ConstraintKind, Coordinate, Force, Frame, Input, Law, Link, Mechanism, Motion, Number,
-    NumberTransform, NumberVector, Param, Point, Strand, Torque,
+    Constraint, ConstraintKind, Coordinate, Force, Frame, Input, Law, Link, Mechanism, Motion,
+    Number, NumberTransform, NumberVector, Param, Point, Strand, Torque,
 };
 use handc_runtime::vector::{Mat3, Transform, Vec3};
 use std::collections::HashMap;
@@ -135,12 +135,10 @@ impl Lowering<'_> {
     fn function(&mut self, value: Sym) -> Function {
         let mut outputs = vec![value];
         let mut variables = Vec::new();
-        let varying = graph::leaves(&[value])
-            .into_iter()
-            .filter(|leaf| {
-                matches!(leaf, Leaf::Q(_) | Leaf::V(_) | Leaf::Length(_))
-                    || matches!(leaf, Leaf::Own(Own::Length | Own::Rate))
-            });
+        let varying = graph::leaves(&[value]).into_iter().filter(|leaf| {
+            matches!(leaf, Leaf::Q(_) | Leaf::V(_) | Leaf::Length(_))
+                || matches!(leaf, Leaf::Own(Own::Length | Own::Rate))
+        });
         for leaf in varying {
             let slope = graph::differentiate(value, Sym::leaf(leaf));
             if let (false, Some(variable)) = (slope.is_known_zero(), graph::variable(leaf)) {

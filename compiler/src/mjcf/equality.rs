@@ -60,7 +60,9 @@ impl Exporter<'_> {
                 self.relate("tendon", name, [&tendon, ""], [distance - at_zero, 0.0]);
             }
             ConstraintKind::OnPlane { .. } => return Err("MJCF cannot hold a point on a plane"),
-            ConstraintKind::Length(_) => return Err("MJCF cannot prescribe the length of a tendon"),
+            ConstraintKind::Length(_) => {
+                return Err("MJCF cannot prescribe the length of a tendon");
+            }
             ConstraintKind::Equation(function) => return self.equation(name, function),
         }
         Ok(())

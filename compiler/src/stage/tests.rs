@@ -358,7 +358,7 @@ fn check(mechanism: Mechanism) {
             Leaf::Value(i) => values[i as usize],
             Leaf::Time => T,
             Leaf::Step => H,
-            Leaf::Length(i) => panic!("length {i} is left"),
+            Leaf::Length(_) | Leaf::Own(_) | Leaf::Strand(..) => panic!("{leaf:?} is left"),
             Leaf::Constant(i) => panic!("constant {i} stands outside of a block"),
         };
         // A block's own numbering, and its constants.
@@ -465,7 +465,7 @@ fn check(mechanism: Mechanism) {
                 inputs: &point.inputs,
                 lambda: &point.lambda,
                 rest: &point.rest,
-                h: 0.01,
+                h: H,
             };
             model.scenario_records(0, &at, &mut records);
             let found = find(Module::Scenario(0), "records", "records", records.len());

@@ -16,6 +16,8 @@ pub(super) struct May {
     pub(super) lengths: bool,
     pub(super) rates: bool,
     pub(super) multipliers: bool,
+    /// Length and natural length of the strand whose law it is.
+    pub(super) own: bool,
 }
 
 impl May {
@@ -28,6 +30,7 @@ impl May {
         lengths: false,
         rates: false,
         multipliers: false,
+        own: false,
     };
     /// Constants and parameters: what the mechanism is made of.
     pub(super) const PARAMS: May = May { params: true, ..May::CONST };
@@ -40,12 +43,15 @@ impl May {
     /// Torques and forces: all but multipliers, which only a recorded column may hold.
     pub(super) const LOAD: May = May { rates: true, inputs: true, ..May::HOLONOMIC };
     /// Commanded tensions: the state, but for lengths of strands, of which there is `x`.
-    pub(super) const TENSION: May = May { lengths: false, ..May::LOAD };
+    pub(super) const TENSION: May = May { lengths: false, own: true, ..May::LOAD };
+    /// Energies of strands.
+    pub(super) const ENERGY: May = May { own: true, ..May::PARAMS };
 
     fn list(self) -> String {
         let mut words = vec!["constants"];
         for (allowed, word) in [
             (self.params, "parameters"),
+            (self.own, "`x`, `x0`"),
             (self.time, "`t`"),
             (self.inputs, "inputs"),
             (self.coordinates && self.lengths, "coordinates and lengths"),

@@ -7,9 +7,7 @@ use super::{Checker, constant};
 use crate::ast::{self, ExprKind as Ast, Ident, Operator};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
-use crate::hir::{
-    Compare, CoordinateId, Expr, ExprKind, Function, Own, StrandId, StrandQuantity,
-};
+use crate::hir::{Compare, CoordinateId, Expr, ExprKind, Function, Own, StrandId, StrandQuantity};
 use crate::source::Span;
 use crate::suggest::nearest;
 
@@ -70,7 +68,8 @@ impl<'a> Checker<'a> {
             _ => {}
         }
         let Some(&(_, function, count, rule)) = FUNCTIONS.iter().find(|f| f.0 == name.text) else {
-            let names = FUNCTIONS.iter().map(|f| f.0).chain(RECORDED).chain(["length", "rate", "if"]);
+            let names =
+                FUNCTIONS.iter().map(|f| f.0).chain(RECORDED).chain(["length", "rate", "if"]);
             let all: Vec<&str> = names.clone().collect();
             let help = match nearest(&name.text, names) {
                 Some(near) => format!("did you mean `{near}`?"),

@@ -1,8 +1,8 @@
 //! Names: what a dotted name stands for, seen from a scope.
 
+use super::Checker;
 use super::scope::{Entry, Scope, ScopeId};
 use super::value::NamedId;
-use super::Checker;
 use crate::ast::{Ident, Path};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;

@@ -224,7 +224,8 @@ impl<'a> Checker<'a> {
         let what = format!("`drive` of `{}`", self.strands[strand].name.text);
         let value = self.expect(root, &setting.value, Dimension::LENGTH, &what, May::TIME);
         if !self.prescribed.iter().any(|p| p.0 == strand) {
-            let message = format!("the length of `{}` is not prescribed", self.strands[strand].name.text);
+            let message =
+                format!("the length of `{}` is not prescribed", self.strands[strand].name.text);
             let error = Diagnostic::error("not-prescribed", setting.name.span, message);
             self.report(error.help("write `drive = true;` in its block instead of its law"));
             return;

@@ -118,7 +118,13 @@ impl<'a> Checker<'a> {
             );
         }
         let Some(law) = given.first() else {
-            self.missing(options, span, "a strand", "stiffness", "stiffness = 200 N/m;");
+            if !options.broken {
+                let error = Diagnostic::error("missing-option", span, "a strand needs a law");
+                self.report(error.help(
+                    "add `stiffness = 200 N/m;` to its block; other laws are `energy`, `tension` \
+                     and `drive`",
+                ));
+            }
             return None;
         };
         let text = &law.value;
@@ -134,7 +140,7 @@ impl<'a> Checker<'a> {
             "energy" => {
                 self.in_law = true;
                 let what = "`energy` of a strand";
-                let energy = self.expect(scope, text, Dimension::ENERGY, what, May::PARAMS);
+                let energy = self.expect(scope, text, Dimension::ENERGY, what, May::ENERGY);
                 self.in_law = false;
                 Some(hir::Law::Energy(energy?))
             }

@@ -94,14 +94,18 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "mcp".into(), kind : CoordinateKind::Angle, kinematic :
-            false, }, Coordinate { name : "pip".into(), kind : CoordinateKind::Angle,
-            kinematic : false, }, Coordinate { name : "dip".into(), kind :
-            CoordinateKind::Angle, kinematic : false, }
+            false, is_static : false, }, Coordinate { name : "pip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
+            name : "dip".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, }
         ],
         strands: vec![
-            Strand { name : "fdp".into(), has_rest : false }, Strand { name : "fds"
-            .into(), has_rest : false }, Strand { name : "edc".into(), has_rest : false
-            }, Strand { name : "lumbrical".into(), has_rest : false }
+            Strand { name : "fdp".into(), has_rest : false, is_prescribed : false,
+            actuator : None, }, Strand { name : "fds".into(), has_rest : false,
+            is_prescribed : false, actuator : None, }, Strand { name : "edc".into(),
+            has_rest : false, is_prescribed : false, actuator : None, }, Strand { name :
+            "lumbrical".into(), has_rest : false, is_prescribed : false, actuator : None,
+            }
         ],
         rows: vec![],
         blocks: vec![

@@ -44,7 +44,7 @@ impl Model for Fourbar {
     }
 
     fn strand_lengths(&mut self, _q: &[f64], _lengths: &mut [f64]) {}
-    fn constraints(&mut self, q: &[f64], _t: f64, rows: &mut [f64]) {
+    fn constraints(&mut self, q: &[f64], _t: f64, _rest: &[f64], rows: &mut [f64]) {
         let q = sized(q);
         let rows = sized_mut(rows);
         constraints::rows(q, rows);

@@ -78,9 +78,10 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "crank".into(), kind : CoordinateKind::Angle, kinematic :
-            false, }, Coordinate { name : "coupler".into(), kind : CoordinateKind::Angle,
-            kinematic : false, }, Coordinate { name : "rocker".into(), kind :
-            CoordinateKind::Angle, kinematic : false, }
+            false, is_static : false, }, Coordinate { name : "coupler".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
+            name : "rocker".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, }
         ],
         strands: vec![],
         rows: vec![

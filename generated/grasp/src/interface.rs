@@ -47,7 +47,7 @@ impl Model for Grasp {
         *sized_mut(lengths) = Grasp::strand_lengths(self, sized(q));
     }
 
-    fn constraints(&mut self, q: &[f64], _t: f64, rows: &mut [f64]) {
+    fn constraints(&mut self, q: &[f64], _t: f64, _rest: &[f64], rows: &mut [f64]) {
         let q = sized(q);
         let rows = sized_mut(rows);
         constraints::rows(q, rows);

@@ -61,7 +61,7 @@ impl Model for Hand {
         Blocks::on_lanes(&of, visitor)
     }
 
-    fn constraints(&mut self, _q: &[f64], _t: f64, _rows: &mut [f64]) {}
+    fn constraints(&mut self, _q: &[f64], _t: f64, _rest: &[f64], _rows: &mut [f64]) {}
     fn constraint_jacobian(&mut self, _q: &[f64], _t: f64, _jacobian: &mut [f64]) {}
     fn inputs(&mut self, _t: f64, _inputs: &mut [f64]) {}
     fn rests(&mut self, _t: f64, _inputs: &[f64], _rest: &mut [f64]) {}

@@ -56,7 +56,7 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "theta".into(), kind : CoordinateKind::Angle, kinematic :
-            false, }
+            false, is_static : false, }
         ],
         strands: vec![],
         rows: vec![],

@@ -124,16 +124,21 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "beta".into(), kind : CoordinateKind::Angle, kinematic :
-            false, }, Coordinate { name : "Theta".into(), kind : CoordinateKind::Angle,
-            kinematic : false, }, Coordinate { name : "gamma".into(), kind :
-            CoordinateKind::Angle, kinematic : false, }, Coordinate { name : "delta"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, }, Coordinate {
-            name : "phi".into(), kind : CoordinateKind::Angle, kinematic : false, },
-            Coordinate { name : "epsilon".into(), kind : CoordinateKind::Angle, kinematic
-            : false, }, Coordinate { name : "Omega".into(), kind : CoordinateKind::Angle,
-            kinematic : false, }
+            false, is_static : false, }, Coordinate { name : "Theta".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
+            name : "gamma".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, }, Coordinate { name : "delta".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
+            name : "phi".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, }, Coordinate { name : "epsilon".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
+            name : "Omega".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, }
         ],
-        strands: vec![Strand { name : "spring".into(), has_rest : true }],
+        strands: vec![
+            Strand { name : "spring".into(), has_rest : true, is_prescribed : false,
+            actuator : None, }
+        ],
         rows: vec![
             ConstraintRow { name : "loop3.x".into() }, ConstraintRow { name : "loop3.y"
             .into() }, ConstraintRow { name : "loop4.x".into() }, ConstraintRow { name :

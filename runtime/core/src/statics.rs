@@ -92,11 +92,9 @@ impl Statics {
                 }
                 before = norm;
                 fraction = 1.0;
-                let entry =
-                    |i: usize, j: usize| self.matrix[block.matrix_offset + i * width + j];
-                let pairs = members.iter().flat_map(|&(i, _)| {
-                    members.iter().map(move |&(j, _)| (i, j))
-                });
+                let entry = |i: usize, j: usize| self.matrix[block.matrix_offset + i * width + j];
+                let pairs =
+                    members.iter().flat_map(|&(i, _)| members.iter().map(move |&(j, _)| (i, j)));
                 let system: Vec<f64> = pairs.map(|(i, j)| entry(i, j)).collect();
                 let rhs: Vec<f64> = members.iter().map(|&(_, c)| -self.force[c]).collect();
                 if system.iter().chain(&rhs).any(|x| !x.is_finite()) {

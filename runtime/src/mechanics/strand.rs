@@ -51,8 +51,11 @@ impl<S: Scalar> Mechanics<'_, S> {
             if strand.law == Law::Prescribed {
                 continue;
             }
-            let rate =
-                if strand.has_rate() { self.strand_rate(workspace, index, at.v) } else { S::zero() };
+            let rate = if strand.has_rate() {
+                self.strand_rate(workspace, index, at.v)
+            } else {
+                S::zero()
+            };
             let length = workspace.strand.lengths[index];
             let pull = self.pull(workspace, at, index, (length, rate), h.is_some());
             let length_dq = &workspace.strand.length_dq[path.span.clone()];

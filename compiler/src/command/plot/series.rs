@@ -8,8 +8,8 @@ use handc_dsl::dimension::Dimension;
 use handc_dsl::hir::{self, ConstraintKind};
 use handc_plot::timeplot::{by_size, energy};
 use handc_plot::{Curve, Quantity, Unit};
-use handc_runtime::interpreter::Interpreter;
 use handc_runtime::expression::StrandQuantity;
+use handc_runtime::interpreter::Interpreter;
 
 /// Most instants that are kept; longer runs are thinned out.
 const INSTANTS: usize = 20_000;

@@ -313,9 +313,8 @@ fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
         &by_scenario("drives", &[("q", quote!(sized_mut(q)))]),
     );
     let rests = by_scenario("rests", &[("rest", quote!(sized_mut(rest)))]);
-    let rests = (!rests.is_empty()).then(|| {
-        method("scenario_rests", &[number(), f64(), ("rest", output())], &rests)
-    });
+    let rests = (!rests.is_empty())
+        .then(|| method("scenario_rests", &[number(), f64(), ("rest", output())], &rests));
     let records = method(
         "scenario_records",
         &[number(), ("at", quote!(&Instant)), ("columns", output())],
