@@ -102,7 +102,7 @@ pub fn equilibrium(
     held: &Held,
 ) -> Result<Equilibrium, EquilibriumError> {
     let mut q = start.to_vec();
-    project(model, &mut q, held.driven)
+    project(model, &mut q, held.rest, held.driven)
         .map_err(|(row, gap)| EquilibriumError::Open { row, gap })?;
     let mut at = Tangent::at(model, &q, held).ok_or(EquilibriumError::NotFinite)?;
     let mut left = 0;
@@ -181,7 +181,7 @@ fn advance(
     let mut share = (LONGEST / size).min(1.0);
     for _ in 0..40 {
         let mut next: Vec<f64> = q.iter().zip(&motion).map(|(q, m)| q + share * m).collect();
-        if project(model, &mut next, held.driven).is_ok()
+        if project(model, &mut next, held.rest, held.driven).is_ok()
             && let Some(there) = Tangent::at(model, &next, held)
         {
             let both = at.residual.iter().zip(&there.residual);
@@ -212,7 +212,7 @@ fn leave(
         while size <= LONGEST {
             let moved = q.iter().zip(&worst.shape);
             let mut next: Vec<f64> = moved.map(|(q, s)| q + sign * size * s).collect();
-            if project(model, &mut next, held.driven).is_ok()
+            if project(model, &mut next, held.rest, held.driven).is_ok()
                 && let Some(there) = Tangent::at(model, &next, held)
             {
                 let away: f64 =
