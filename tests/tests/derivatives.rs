@@ -250,7 +250,8 @@ fn constraint_curvature() {
                 q[j].slope = Dual::fixed(1.0);
                 let mut values = vec![Dual::zero(); rows];
                 oracle.kernels(|mechanics, workspace| {
-                    mechanics.constraints(workspace, &q, Dual::constant(0.3), &mut values);
+                    let rest: Vec<_> = place.rest.iter().map(|&x| Dual::constant(x)).collect();
+                    mechanics.constraints(workspace, &q, Dual::constant(0.3), &rest, &mut values);
                 });
                 let sum = values.iter().zip(&lambda).map(|(h, l)| h.slope.slope * l);
                 expected[i * n + j] = sum.sum();

@@ -159,7 +159,7 @@ fn a_hand_with_other_natural_lengths_rests_where_slow_motion_ends() {
 /// The force left over a little way along each direction, against the tangent stiffness.
 fn stiffness_holds(model: &mut Interpreter, start: &[f64], held: &Held) -> f64 {
     let mut q = start.to_vec();
-    project(model, &mut q, held.driven).unwrap();
+    project(model, &mut q, held.rest, held.driven).unwrap();
     let at = Tangent::at(model, &q, held).unwrap();
     let mut worst: f64 = 0.0;
     for direction in &at.directions {
@@ -167,7 +167,7 @@ fn stiffness_holds(model: &mut Interpreter, start: &[f64], held: &Held) -> f64 {
         let mut along = |sign: f64| {
             let mut there: Vec<f64> =
                 q.iter().zip(&direction.shape).map(|(q, s)| q + sign * size * s).collect();
-            project(model, &mut there, held.driven).unwrap();
+            project(model, &mut there, held.rest, held.driven).unwrap();
             let residual = Tangent::at(model, &there, held).unwrap().residual;
             residual.iter().zip(&direction.shape).map(|(f, s)| f * s).sum::<f64>()
         };
