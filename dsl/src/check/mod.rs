@@ -21,6 +21,7 @@ mod mass;
 mod motion;
 mod name;
 mod options;
+mod path;
 mod refer;
 mod scenario;
 mod scope;

@@ -2,19 +2,17 @@
 
 use super::Checker;
 use super::depend::May;
-use super::scope::ScopeId;
-use crate::ast::{DeclKind, Expr, ExprKind, PathOption};
+use crate::ast::{DeclKind, Expr, ExprKind};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
 use crate::hir;
-use crate::source::Span;
 
 const OPTIONS: [&str; 8] =
     ["stiffness", "rest", "damping", "slack", "slack_width", "energy", "tension", "actuated"];
 /// Options a back end does not know yet.
 const LATER: [&str; 6] = ["damping", "slack", "slack_width", "energy", "tension", "actuated"];
 
-impl<'a> Checker<'a> {
+impl Checker<'_> {
     pub(super) fn finish_strands(&mut self) -> Vec<hir::Strand> {
         let mut strands = Vec::new();
         for index in 0..self.strands.len() {
@@ -23,7 +21,7 @@ impl<'a> Checker<'a> {
             let DeclKind::Strand(paths, block) = &decl.kind else { continue };
             let known: Vec<&str> = std::iter::once("path").chain(OPTIONS).collect();
             let mut options = self.options(block, "a strand", &known);
-            let points = self.path(scope, paths, options.broken, name.span);
+            let path = self.path(scope, paths, options.broken, name.span);
             for later in LATER {
                 let Some(setting) = options.setting(later) else { continue };
                 if says_no(&setting.value) && matches!(later, "slack" | "actuated") {
@@ -58,42 +56,11 @@ impl<'a> Checker<'a> {
             if let Some(rest) = &rest {
                 self.must(rest, |x| x >= 0.0, "a natural length cannot be negative");
             }
-            if let (Some(path), Some(stiffness)) = (points, stiffness) {
-                strands.push(hir::Strand { name, path, stiffness, rest, span: decl.span });
+            if let (Some((path, wraps)), Some(stiffness)) = (path, stiffness) {
+                strands.push(hir::Strand { name, path, wraps, stiffness, rest, span: decl.span });
             }
         }
         strands
-    }
-
-    fn path(
-        &mut self,
-        scope: ScopeId,
-        paths: &'a [PathOption],
-        broken: bool,
-        span: Span,
-    ) -> Option<Vec<hir::Point>> {
-        for again in paths.iter().skip(1) {
-            self.report(
-                Diagnostic::error("duplicate", again.span, "`path` is given twice")
-                    .also(paths[0].span, "first given here"),
-            );
-        }
-        let Some(path) = paths.first() else {
-            if !broken {
-                let error = Diagnostic::error("missing-option", span, "a strand needs `path`");
-                self.report(error.help("add `path = world (0, 0, 0) mm -> tip;` to its block"));
-            }
-            return None;
-        };
-        if path.points.len() < 2 {
-            let message = "a path has at least two points";
-            let error = Diagnostic::error("path", path.span, message);
-            self.report(error.help("join points with `->`"));
-            return None;
-        }
-        let points: Vec<Option<hir::Point>> =
-            path.points.iter().map(|p| self.point(scope, p)).collect();
-        points.into_iter().collect()
     }
 }
 
