@@ -120,6 +120,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
                 .iter()
                 .map(|p| point(&p["frame"], triple(&p["offset"])))
                 .collect(),
+            wraps: Vec::new(),
             stiffness: number(strand["k"].as_f64().unwrap()),
             rest: None,
         });
@@ -130,6 +131,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
             source: String::new(),
             doc: String::new(),
             points: vec![point(&spring["frame1"], [0.0; 3]), point(&spring["frame2"], [0.0; 3])],
+            wraps: Vec::new(),
             stiffness: number(spring["k"].as_f64().unwrap()),
             rest: Some(constant(spring["x0"].as_f64().unwrap())),
         });

@@ -6,7 +6,7 @@
 //! parameter of its own, whose value is put back when the blocks' expressions have been compared.
 
 use handc_runtime::expression::{Operation, Variable};
-use handc_runtime::mechanism::{Mechanism, Motion, Number, Param};
+use handc_runtime::mechanism::{Mechanism, Motion, Number, Param, SurfaceForm};
 use handc_runtime::structure::Structure;
 
 /// A mechanism with unknowns for the numbers in which like blocks differ.
@@ -133,6 +133,15 @@ fn describe(
             elements.push(Element::Strand(s));
             signature.push(-3);
             signature.extend(strand.points.iter().map(|point| local(point.link)));
+            for wrap in &strand.wraps {
+                let form = match wrap.form {
+                    SurfaceForm::Sphere => 0,
+                    SurfaceForm::Cylinder { .. } => 1,
+                };
+                let has_side = i64::from(wrap.side.is_some());
+                signature.extend([-5, i64::from(wrap.gap), form, has_side]);
+                signature.push(local(wrap.center.link));
+            }
         }
     }
     for (f, force) in mechanism.forces.iter().enumerate().filter(|(_, f)| is_own(f.point.link)) {
@@ -172,6 +181,14 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
         Element::Strand(index) => {
             let strand = &mut mechanism.strands[index];
             list.extend(strand.points.iter_mut().flat_map(|point| &mut point.position));
+            for wrap in &mut strand.wraps {
+                if let SurfaceForm::Cylinder { axis } = &mut wrap.form {
+                    list.extend(axis);
+                }
+                list.extend(&mut wrap.center.position);
+                list.push(&mut wrap.radius);
+                list.extend(wrap.side.iter_mut().flatten());
+            }
             list.push(&mut strand.stiffness);
         }
         Element::Force(index) => list.extend(&mut mechanism.forces[index].point.position),

@@ -91,6 +91,7 @@ fn strand(name: &str, points: Vec<Point>) -> Strand {
         source: "sample.hdl:20".into(),
         doc: String::new(),
         points,
+        wraps: Vec::new(),
         stiffness: Number::Value(0),
         rest: None,
     }
