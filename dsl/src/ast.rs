@@ -150,11 +150,33 @@ pub struct Block {
     pub broken: bool,
 }
 
+/// `via wrap SURFACE(FRAME [offset], radius = e, …)`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Wrap {
+    /// The surface: `sphere` or `cylinder`.
+    pub surface: Ident,
+    /// Where it stands.
+    pub center: Point,
+    /// What else is said of it.
+    pub options: Vec<Argument>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What a path runs through.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum Station {
+    /// A point.
+    Point(Point),
+    /// A surface.
+    Wrap(Wrap),
+}
+
 /// An option of a strand's block.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PathOption {
-    /// The points.
-    pub points: Vec<Point>,
+    /// Points and surfaces in order.
+    pub stations: Vec<Station>,
     /// The statement.
     pub span: Span,
 }

@@ -67,6 +67,27 @@ fn the_model_on_top_of_the_page() {
 }
 
 #[test]
+fn surfaces_are_wrapped_and_their_words_are_names() {
+    let model = model(
+        "joint via: revolute(z) in world; const wrap = (1, 2, 3) mm; frame sphere in via at wrap;\n\
+         strand s { path = via wrap -> via wrap sphere(sphere wrap, radius = 2 mm) -> world -> via -> via wrap\n\
+         cylinder(via, axis = -z, radius = 3 mm, side = wrap,) -> sphere; stiffness = 1 N/m; }",
+    );
+    let strand = &model.strands[0];
+    let frames: Vec<_> = strand.path.iter().map(|p| p.frame.index()).collect();
+    assert_eq!(frames, [1, 0, 1, 2]);
+    assert_eq!(values(&strand.path[0].offset), [0.001, 0.002, 0.003]);
+    let [first, second] = strand.wraps.as_slice() else { panic!("{:?}", strand.wraps) };
+    assert_eq!((first.gap, second.gap), (0, 2));
+    assert_eq!((first.surface.clone(), first.side.clone()), (hir::Surface::Sphere, None));
+    assert_eq!(values(&first.center.offset), [0.001, 0.002, 0.003]);
+    assert_eq!([value(&first.radius), value(&second.radius)], [0.002, 0.003]);
+    let hir::Surface::Cylinder { axis } = &second.surface else { panic!() };
+    assert_eq!(values(axis), [0.0, 0.0, -1.0]);
+    assert_eq!(values(second.side.as_ref().unwrap()), [0.001, 0.002, 0.003]);
+}
+
+#[test]
 fn everything_at_once() {
     let model = good(include_str!("good/everything.hdl"));
     let coordinates = names(model.coordinates.iter().map(|c| &c.name));

@@ -368,10 +368,12 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
 fn length_scale(mechanism: &Mechanism) -> f64 {
     let links = mechanism.links.iter().flat_map(|l| l.parent_from_joint.translation);
     let points = mechanism.strands.iter().flat_map(|s| &s.points).flat_map(|p| p.position);
+    let wraps = mechanism.strands.iter().flat_map(|s| &s.wraps).flat_map(|w| w.center.position);
     let bodies = mechanism.bodies.iter().flat_map(|b| b.center);
     let frames = mechanism.frames.iter().flat_map(|f| f.link_from_frame.translation);
     let largest = links
         .chain(points)
+        .chain(wraps)
         .chain(bodies)
         .chain(frames)
         .map(|number| match number {

@@ -13,6 +13,7 @@ pub mod mechanism;
 pub mod resolved;
 pub mod run;
 pub mod structure;
+pub mod surface;
 pub mod vector;
 
 pub use handc_core as core;

@@ -182,6 +182,38 @@ pub struct Point {
     pub position: NumberVector,
 }
 
+/// The form of a surface that a strand wraps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SurfaceForm {
+    /// A sphere about its centre.
+    Sphere,
+    /// A cylinder without ends about an axis through its centre.
+    Cylinder {
+        /// Unit axis in link axes.
+        axis: NumberVector,
+    },
+}
+
+/// A surface that a strand wraps on its way from one point to the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wrap {
+    /// Name of the frame that it stands in.
+    pub frame: String,
+    /// Where it is written, `file.hdl:line`; empty if unknown.
+    pub source: String,
+    /// Number of the strand's point before it; the next one stands behind it.
+    pub gap: u32,
+    /// Its form.
+    pub form: SurfaceForm,
+    /// Its centre.
+    pub center: Point,
+    /// Radius (m).
+    pub radius: Number,
+    /// Unit vector from the centre to the side on which the strand passes, in link axes; `None`: the
+    /// shorter way.
+    pub side: Option<NumberVector>,
+}
+
 /// How a strand's tension follows from its length x and natural length x₀.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
@@ -199,7 +231,8 @@ pub enum Law {
     Prescribed,
 }
 
-/// An elastic path; its length x is the sum of the distances between its points.
+/// An elastic path; its length x is that of the way from point to point, over the surfaces between
+/// them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Strand {
     /// Name.
@@ -210,6 +243,8 @@ pub struct Strand {
     pub doc: String,
     /// Points in order.
     pub points: Vec<Point>,
+    /// Surfaces wrapped, in order, at most one between two points.
+    pub wraps: Vec<Wrap>,
     /// Its tension.
     pub law: Law,
     /// Coefficient c of the damping force −c·ẋ along the strand (N·s/m).
@@ -231,6 +266,13 @@ impl Strand {
             _ => false,
         };
         in_law || !self.damping.is_zero()
+    }
+}
+
+impl Strand {
+    /// The surface between point `gap` and the next, if there is one.
+    pub fn wrap(&self, gap: usize) -> Option<&Wrap> {
+        self.wraps.iter().find(|wrap| wrap.gap as usize == gap)
     }
 }
 

@@ -6,9 +6,11 @@
 use crate::expression::Variable;
 use crate::mechanism::{
     ConstraintKind, Law, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
+    SurfaceForm, Wrap,
 };
 use crate::run::{ResolvedRun, find_runs};
-use crate::structure::{PathStep, path_between};
+use crate::structure::{PathStep, segment_path};
+use crate::surface::{Form, Surface};
 use crate::vector::{Mat3, Transform, Vec3};
 use handc_core::scalar::Scalar;
 
@@ -68,6 +70,17 @@ impl<S: Scalar> Axis<S> {
             Axis::Y => c * z + a * x,
             Axis::Z => a * x + b * y,
             Axis::General(axis) => axis.cross(u).dot(axis.cross(v)),
+        }
+    }
+    /// v without its part along the axis.
+    #[inline]
+    pub fn reject(&self, v: Vec3<S>) -> Vec3<S> {
+        let ([x, y, z], o) = (v.0, S::zero());
+        match *self {
+            Axis::X => Vec3([o, y, z]),
+            Axis::Y => Vec3([x, o, z]),
+            Axis::Z => Vec3([x, y, o]),
+            Axis::General(a) => v - a.scale(a.dot(v)),
         }
     }
     /// Axis · v.
@@ -136,6 +149,8 @@ pub enum ResolvedSegment<S> {
     HingePair(HingeEnd<S>, HingeEnd<S>),
     /// Its end points in their links' axes.
     Ends(Vec3<S>, Vec3<S>),
+    /// Over a surface, in the axes of the link that carries it; its end points in their links' axes.
+    Wrapped(Surface<S>, [Vec3<S>; 2]),
 }
 
 /// d² = `constant` − 2(`cosine`·cos q + `sine`·sin q).
@@ -262,6 +277,27 @@ impl<S: Scalar> Resolved<S> {
             translation: self.vector(&t.translation),
         }
     }
+    /// A unit axis.
+    fn axis(&self, axis: &NumberVector) -> Axis<S> {
+        match principal_axis(axis) {
+            Some(0) => Axis::X,
+            Some(1) => Axis::Y,
+            Some(_) => Axis::Z,
+            None => Axis::General(self.vector(axis)),
+        }
+    }
+    /// A surface in the axes of the link that carries it.
+    fn surface(&self, wrap: &Wrap) -> Surface<S> {
+        Surface {
+            form: match &wrap.form {
+                SurfaceForm::Sphere => Form::Sphere,
+                SurfaceForm::Cylinder { axis } => Form::Cylinder(self.axis(axis)),
+            },
+            center: self.vector(&wrap.center.position),
+            radius: self.number(wrap.radius),
+            side: wrap.side.as_ref().map(|side| self.vector(side)),
+        }
+    }
     fn joint(&self, motion: &Motion, parent_from_joint: &NumberTransform) -> Joint<S> {
         let (axis, rotates, advance) = match motion {
             Motion::Revolute { axis } => (axis, true, None),
@@ -271,12 +307,7 @@ impl<S: Scalar> Resolved<S> {
         let is_identity = parent_from_joint.rotation == NumberTransform::IDENTITY.rotation;
         let transform = self.transform(parent_from_joint);
         Joint {
-            axis: match principal_axis(axis) {
-                Some(0) => Axis::X,
-                Some(1) => Axis::Y,
-                Some(_) => Axis::Z,
-                None => Axis::General(self.vector(axis)),
-            },
+            axis: self.axis(axis),
             rotates,
             advance,
             rotation: (!is_identity).then_some(transform.rotation),
@@ -406,13 +437,19 @@ impl<S: Scalar> Resolved<S> {
     ) -> ResolvedStrand<S> {
         let mut constant_length = S::zero();
         let mut segments = Vec::new();
-        for pair in strand.points.windows(2) {
+        for (gap, pair) in strand.points.windows(2).enumerate() {
             let (a, b) = (self.vector(&pair[0].position), self.vector(&pair[1].position));
-            if pair[0].link == pair[1].link {
-                constant_length += (b - a).norm_squared().sqrt();
-            } else {
-                let [first, second] = path_between(mechanism, pair[0].link, pair[1].link);
-                segments.push(self.segment((&first, a), (&second, b)));
+            let wrap = strand.wrap(gap);
+            let path = segment_path(mechanism, [pair[0], pair[1]], wrap);
+            match (path, wrap.map(|wrap| self.surface(wrap))) {
+                (Some(_), Some(surface)) => {
+                    segments.push(ResolvedSegment::Wrapped(surface, [a, b]));
+                }
+                (Some([first, second]), None) => {
+                    segments.push(self.segment((&first, a), (&second, b)));
+                }
+                (None, Some(surface)) => constant_length += surface.length([a, b]),
+                (None, None) => constant_length += (b - a).norm_squared().sqrt(),
             }
         }
         ResolvedStrand {

@@ -121,6 +121,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
                 .iter()
                 .map(|p| point(&p["frame"], triple(&p["offset"])))
                 .collect(),
+            wraps: Vec::new(),
             law: Law::Linear { stiffness: number(strand["k"].as_f64().unwrap()) },
             damping: Number::ZERO,
             slack: None,
@@ -134,6 +135,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
             source: String::new(),
             doc: String::new(),
             points: vec![point(&spring["frame1"], [0.0; 3]), point(&spring["frame2"], [0.0; 3])],
+            wraps: Vec::new(),
             law: Law::Linear { stiffness: number(spring["k"].as_f64().unwrap()) },
             damping: Number::ZERO,
             slack: None,

@@ -16,7 +16,7 @@ use handc_dsl::source::{SourceMap, Span};
 use handc_runtime::expression::{Function, Own, Program};
 use handc_runtime::mechanism::{
     Constraint, ConstraintKind, Coordinate, Force, Frame, Input, Law, Link, Mechanism, Motion,
-    Number, NumberTransform, NumberVector, Param, Point, Strand, Torque,
+    Number, NumberTransform, NumberVector, Param, Point, Strand, SurfaceForm, Torque, Wrap,
 };
 use handc_runtime::vector::{Mat3, Transform, Vec3};
 use std::collections::HashMap;
@@ -266,6 +266,7 @@ impl Lowering<'_> {
             source: self.source(strand.name.span),
             doc: strand.name.doc.clone(),
             points: strand.path.iter().map(|point| self.point(point)).collect(),
+            wraps: strand.wraps.iter().map(|wrap| self.wrap(wrap)).collect(),
             law: match &strand.law {
                 hir::Law::Stiffness(stiffness) => Law::Linear { stiffness: self.number(stiffness) },
                 hir::Law::Energy(energy) => {
@@ -285,6 +286,29 @@ impl Lowering<'_> {
             slack: strand.slack.as_ref().map(|width| self.number(width)),
             actuator: strand.actuator.map(|input| input.0),
             rest: strand.rest.as_ref().map(|rest| self.program(rest)),
+        }
+    }
+
+    fn wrap(&mut self, wrap: &hir::Wrap) -> Wrap {
+        let frame = wrap.center.frame.index();
+        let rotation = self.places[frame].link_from_frame.rotation;
+        let mut direction = |v: &hir::Vector| {
+            let v = rotation * unit(self.vector(v));
+            self.vector_number(Vec3(v.0.map(snap)))
+        };
+        let form = match &wrap.surface {
+            hir::Surface::Sphere => SurfaceForm::Sphere,
+            hir::Surface::Cylinder { axis } => SurfaceForm::Cylinder { axis: direction(axis) },
+        };
+        let side = wrap.side.as_ref().map(&mut direction);
+        Wrap {
+            frame: self.model.frames[frame].name.text.clone(),
+            source: self.source(wrap.span),
+            gap: wrap.gap as u32,
+            form,
+            center: self.point(&wrap.center),
+            radius: self.number(&wrap.radius),
+            side,
         }
     }
 

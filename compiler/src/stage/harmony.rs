@@ -6,7 +6,7 @@
 //! parameter of its own, whose value is put back when the blocks' expressions have been compared.
 
 use handc_runtime::expression::{Operation, Variable};
-use handc_runtime::mechanism::{Law, Mechanism, Motion, Number, Param};
+use handc_runtime::mechanism::{Law, Mechanism, Motion, Number, Param, SurfaceForm};
 use handc_runtime::structure::Structure;
 
 /// A mechanism with unknowns for the numbers in which like blocks differ.
@@ -139,6 +139,15 @@ fn describe(
             };
             signature.extend([-3, law, i64::from(strand.slack.is_some())]);
             signature.extend(strand.points.iter().map(|point| local(point.link)));
+            for wrap in &strand.wraps {
+                let form = match wrap.form {
+                    SurfaceForm::Sphere => 0,
+                    SurfaceForm::Cylinder { .. } => 1,
+                };
+                let has_side = i64::from(wrap.side.is_some());
+                signature.extend([-5, i64::from(wrap.gap), form, has_side]);
+                signature.push(local(wrap.center.link));
+            }
         }
     }
     for (f, force) in mechanism.forces.iter().enumerate().filter(|(_, f)| is_own(f.point.link)) {
@@ -178,6 +187,14 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
         Element::Strand(index) => {
             let strand = &mut mechanism.strands[index];
             list.extend(strand.points.iter_mut().flat_map(|point| &mut point.position));
+            for wrap in &mut strand.wraps {
+                if let SurfaceForm::Cylinder { axis } = &mut wrap.form {
+                    list.extend(axis);
+                }
+                list.extend(&mut wrap.center.position);
+                list.push(&mut wrap.radius);
+                list.extend(wrap.side.iter_mut().flatten());
+            }
             if let Law::Linear { stiffness } = &mut strand.law {
                 list.push(stiffness);
             }

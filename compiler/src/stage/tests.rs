@@ -92,6 +92,7 @@ fn strand(name: &str, points: Vec<Point>) -> Strand {
         source: "sample.hdl:20".into(),
         doc: String::new(),
         points,
+        wraps: Vec::new(),
         law: Law::Linear { stiffness: Number::Value(0) },
         damping: Number::ZERO,
         slack: None,

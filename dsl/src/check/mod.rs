@@ -22,6 +22,7 @@ mod motion;
 mod name;
 mod node;
 mod options;
+mod path;
 mod refer;
 mod scenario;
 mod scope;

@@ -4,7 +4,7 @@ use super::depend::May;
 use super::options::Options;
 use super::scope::{Entry, ScopeId};
 use super::{Checker, Item, Named, State, Value};
-use crate::ast::{Block, Decl, DeclKind, Expr, ExprKind, PathOption, Setting};
+use crate::ast::{Block, Decl, DeclKind, Expr, ExprKind, Setting};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
 use crate::hir;
@@ -77,7 +77,7 @@ impl<'a> Checker<'a> {
             let DeclKind::Strand(paths, block) = &decl.kind else { continue };
             let known: Vec<&str> = std::iter::once("path").chain(OPTIONS).collect();
             let options = self.options(block, "a strand", &known);
-            let points = self.path(scope, paths, options.broken, name.span);
+            let path = self.path(scope, paths, options.broken, name.span);
             let law = self.law(scope, index, name.span, block, &options);
             let rest = self.rest(scope, index, block, &options);
             let damping = options.get("damping").and_then(|text| {
@@ -91,9 +91,18 @@ impl<'a> Checker<'a> {
             let slack = self.slack(scope, name.span, block, &options);
             let actuator = self.actuators.iter().find(|a| a.0 == index);
             let actuator = actuator.map(|&(_, input)| hir::InputId(input as u32));
-            if let (Some(path), Some(law)) = (points, law) {
-                let span = decl.span;
-                strands.push(hir::Strand { name, path, law, damping, slack, rest, actuator, span });
+            if let (Some((path, wraps)), Some(law)) = (path, law) {
+                strands.push(hir::Strand {
+                    name,
+                    path,
+                    wraps,
+                    law,
+                    damping,
+                    slack,
+                    rest,
+                    actuator,
+                    span: decl.span,
+                });
             }
         }
         strands
@@ -232,37 +241,6 @@ impl<'a> Checker<'a> {
         let width = self.expect(scope, &width.value, Dimension::LENGTH, what, May::PARAMS)?;
         self.must(&width, |x| x > 0.0, "`slack_width` of a strand must be positive");
         slack.map(|_| width)
-    }
-
-    fn path(
-        &mut self,
-        scope: ScopeId,
-        paths: &'a [PathOption],
-        broken: bool,
-        span: Span,
-    ) -> Option<Vec<hir::Point>> {
-        for again in paths.iter().skip(1) {
-            self.report(
-                Diagnostic::error("duplicate", again.span, "`path` is given twice")
-                    .also(paths[0].span, "first given here"),
-            );
-        }
-        let Some(path) = paths.first() else {
-            if !broken {
-                let error = Diagnostic::error("missing-option", span, "a strand needs `path`");
-                self.report(error.help("add `path = world (0, 0, 0) mm -> tip;` to its block"));
-            }
-            return None;
-        };
-        if path.points.len() < 2 {
-            let message = "a path has at least two points";
-            let error = Diagnostic::error("path", path.span, message);
-            self.report(error.help("join points with `->`"));
-            return None;
-        }
-        let points: Vec<Option<hir::Point>> =
-            path.points.iter().map(|p| self.point(scope, p)).collect();
-        points.into_iter().collect()
     }
 }
 

@@ -15,6 +15,36 @@ pub struct Point {
     pub span: Span,
 }
 
+/// The form of a surface that a strand wraps.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum Surface {
+    /// A sphere about its centre.
+    Sphere,
+    /// A cylinder without ends about an axis through its centre.
+    Cylinder {
+        /// Axis in the frame's axes, not necessarily of unit length.
+        axis: Vector,
+    },
+}
+
+/// A surface that a strand wraps between two points of its path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Wrap {
+    /// Number of the path's point before it; the next one stands behind it.
+    pub gap: usize,
+    /// Its form.
+    pub surface: Surface,
+    /// Where it stands.
+    pub center: Point,
+    /// Radius (m).
+    pub radius: Expr,
+    /// On which side the strand passes: a direction from the centre in the frame's axes, not
+    /// necessarily of unit length; `None`: the shorter way.
+    pub side: Option<Vector>,
+    /// The text of the surface.
+    pub span: Span,
+}
+
 /// How a strand's tension follows from its length x and natural length x₀.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Law {
@@ -35,6 +65,8 @@ pub struct Strand {
     pub name: Name,
     /// Two or more points.
     pub path: Vec<Point>,
+    /// Surfaces wrapped, at most one between two points.
+    pub wraps: Vec<Wrap>,
     /// Its law.
     pub law: Law,
     /// Coefficient c of the damping −c·ẋ along the strand (N·s/m), if given.

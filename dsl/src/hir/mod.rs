@@ -14,7 +14,7 @@ mod scenario;
 mod tree;
 
 pub use expr::{BinaryOp, Compare, Expr, ExprKind, Function, Own, StrandQuantity, Vector};
-pub use load::{Constraint, ConstraintKind, Force, Law, Point, Strand, Torque};
+pub use load::{Constraint, ConstraintKind, Force, Law, Point, Strand, Surface, Torque, Wrap};
 pub use scenario::{Follow, Motion, Pose, Record, Scenario};
 pub use tree::{
     Amount, Coordinate, Frame, Joint, JointKind, Mass, MassKind, MotionKind, Placement, Rotation,

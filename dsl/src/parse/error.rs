@@ -84,6 +84,9 @@ fn hint(tokens: &Tokens, chunk: &Chunk, found: usize) -> Option<String> {
              weld(F, F) or an equation `a == b`"
                 .into(),
         ),
+        ("path", _, "(" | "=" | "->") | ("path", ",", _) if found > chunk.head.start + 2 => {
+            surface_hint(tokens, chunk, found)
+        }
         (_, _, "=")
             if !previous.is_empty() && tokens.list[found - 1].kind == crate::lex::Kind::Word =>
         {
@@ -94,6 +97,16 @@ fn hint(tokens: &Tokens, chunk: &Chunk, found: usize) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// How a surface is written, where one seems to be meant.
+fn surface_hint(tokens: &Tokens, chunk: &Chunk, found: usize) -> Option<String> {
+    let meant = |i: usize| matches!(tokens.text(i), "wrap" | "sphere" | "cylinder");
+    (chunk.head.start..found).any(meant).then(|| {
+        "a surface is written `via wrap sphere(F, radius = 5 mm)` or `via wrap cylinder(F, axis = z, \
+         radius = 5 mm)`"
+            .into()
+    })
 }
 
 fn has(tokens: &Tokens, chunk: &Chunk, word: &str) -> bool {
@@ -135,6 +148,7 @@ fn expected(rules: &[Rule], end: &str) -> Vec<String> {
             Rule::axis | Rule::axis_name => "an axis (`x`, `y`, `z` or a vector)",
             Rule::kind => "a kind of joint",
             Rule::shape => "a shape",
+            Rule::surface => "a surface",
             Rule::dimension => "a dimension such as `Length`",
             Rule::string => "a path in quotes",
             Rule::compare => "a comparison",

@@ -2,7 +2,7 @@
 
 use super::Rule;
 use crate::ast::{Argument, Expr, ExprKind, Ident, Operator, Path, Placement, Point, Rotation};
-use crate::ast::{UnitExpr, UnitFactor};
+use crate::ast::{Station, UnitExpr, UnitFactor, Wrap};
 use crate::source::{FileId, Span};
 use pest::iterators::{Pair, Pairs};
 use pest::pratt_parser::{Assoc, Op, PrattParser};
@@ -44,6 +44,8 @@ pub(super) fn inner(pair: Pair<'_, Rule>) -> impl Iterator<Item = Pair<'_, Rule>
                 | Rule::word_on
                 | Rule::word_with
                 | Rule::word_rotate
+                | Rule::word_via
+                | Rule::word_wrap
                 | Rule::EOI
         )
     })
@@ -249,6 +251,26 @@ impl Build {
             }
         }
         Point { frame, offset, span }
+    }
+
+    /// A point or a surface of a path.
+    pub(super) fn station(&self, pair: Pair<'_, Rule>) -> Station {
+        if pair.as_rule() != Rule::wrap {
+            return Station::Point(self.point(pair));
+        }
+        let span = self.span(&pair);
+        let mut surface = Ident { text: String::new(), span };
+        let mut center = None;
+        let mut options = Vec::new();
+        for part in inner(pair) {
+            match part.as_rule() {
+                Rule::surface => surface = self.ident(&part),
+                Rule::point => center = Some(self.point(part)),
+                _ => options.extend(self.argument(part)),
+            }
+        }
+        let nowhere = Point { frame: Path { parts: Vec::new(), span }, offset: None, span };
+        Station::Wrap(Wrap { surface, center: center.unwrap_or(nowhere), options, span })
     }
 
     pub(super) fn arguments(&self, pair: Pair<'_, Rule>) -> Vec<Argument> {

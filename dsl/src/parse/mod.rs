@@ -189,8 +189,8 @@ impl<'a> Reader<'_, 'a> {
         if first == "path" {
             return match self.grammar(Rule::path_line, chunk) {
                 Ok(pair) => {
-                    let points = inner(pair).map(|p| build.point(p)).collect();
-                    (Some(AnyOption::Path(PathOption { points, span })), None)
+                    let stations = inner(pair).map(|p| build.station(p)).collect();
+                    (Some(AnyOption::Path(PathOption { stations, span })), None)
                 }
                 Err(error) => (None, Some(error)),
             };

@@ -18,6 +18,7 @@ mod run;
 pub mod segment;
 pub mod strand;
 pub mod world;
+mod wrap;
 
 use crate::mechanism::Mechanism;
 use crate::resolved::Resolved;

@@ -40,9 +40,9 @@ pub(crate) struct Crossing<S> {
     /// Advance along the axis, if any.
     advance: Option<S>,
     /// r: motion of the end.
-    motion: Vec3<S>,
+    pub(crate) motion: Vec3<S>,
     /// s: motion of the other end, were it carried too.
-    other: Vec3<S>,
+    pub(crate) other: Vec3<S>,
 }
 
 /// The segments of one strand: lengths summed, the rest one after another.
@@ -54,9 +54,9 @@ pub(crate) struct Segments<S> {
     pub(crate) inverse: Vec<S>,
     /// d_j of each segment: joints of the first side, then of the second, innermost last on each.
     pub(crate) length_dq: Vec<S>,
-    /// D_jk of each segment, lower triangle.
+    /// D_jk of each segment, lower triangle; over a surface d_jk itself, with 1 for 1/d.
     pub(crate) squares: Vec<S>,
-    crossings: Vec<Crossing<S>>,
+    pub(crate) crossings: Vec<Crossing<S>>,
 }
 
 impl<S: Scalar> Segments<S> {
@@ -164,6 +164,9 @@ impl<S: Scalar> Mechanics<'_, S> {
             ResolvedSegment::Ends(first, second) => {
                 self.long_segment(sin_cos, q, path, (*first, *second), order, out);
             }
+            ResolvedSegment::Wrapped(surface, points) => {
+                self.wrapped_segment(sin_cos, q, path, (surface, *points), order, out);
+            }
         }
     }
 
@@ -211,7 +214,7 @@ impl<S: Scalar> Mechanics<'_, S> {
     }
 
     /// Takes a point along a path.
-    fn place_along(
+    pub(crate) fn place_along(
         &self,
         sin_cos: &[(S, S)],
         q: &[S],
@@ -257,7 +260,7 @@ impl<S: Scalar> Mechanics<'_, S> {
     }
 
     /// Takes a point along a path; crossings from `start` on are turned with it.
-    fn walk(
+    pub(crate) fn walk(
         &self,
         sin_cos: &[(S, S)],
         q: &[S],
@@ -340,7 +343,7 @@ impl<S: Scalar> Crossing<S> {
     }
     /// Works out r and s in the middle, where the other end is `beyond` this one.
     #[inline]
-    fn arrive(&mut self, beyond: Vec3<S>) {
+    pub(crate) fn arrive(&mut self, beyond: Vec3<S>) {
         let slide = self.advance.map_or_else(Vec3::zero, |advance| self.axis.scale(advance));
         (self.motion, self.other) = (slide, slide);
         if self.rotates {

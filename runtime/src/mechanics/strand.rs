@@ -109,8 +109,11 @@ impl<S: Scalar> Mechanics<'_, S> {
             first += dq.len();
             let rate_of = |position: usize| v[path.coordinates[position]];
             let mut rate = S::zero();
-            for (&position, &dq) in positions.iter().zip(dq) {
-                rate += dq * rate_of(position);
+            // Over a surface the squares are whole, and nothing is taken off along the strand.
+            if !segment.is_wrapped {
+                for (&position, &dq) in positions.iter().zip(dq) {
+                    rate += dq * rate_of(position);
+                }
             }
             for (i, &row) in positions.iter().enumerate() {
                 turning[row] -= inverse * dq[i] * rate;
@@ -184,7 +187,13 @@ impl<S: Scalar> Mechanics<'_, S> {
         let mut squares = segments.squares.iter();
         for (segment, &inverse) in path.segments.iter().zip(&segments.inverse) {
             let across = f * inverse;
-            let along = if path.crosses_once { k - across } else { -across };
+            // Over a surface the squares are whole, and nothing is taken off along the strand.
+            let along = match (path.crosses_once, segment.is_wrapped) {
+                (true, true) => k,
+                (false, true) => S::zero(),
+                (true, false) => k - across,
+                (false, false) => -across,
+            };
             let dq = &segments.length_dq[first..first + segment.positions.len()];
             first += dq.len();
             let mut entries = segment.slots.iter().zip(&mut squares);

@@ -12,7 +12,7 @@ use crate::mechanism::{ConstraintKind, Mechanism, Motion};
 use crate::resolved::constraint_points;
 use crate::run::find_runs;
 use handc_core::layout::Block;
-pub use paths::{PathStep, SegmentPath, StrandPath, path_between};
+pub use paths::{PathStep, SegmentPath, StrandPath, segment_path};
 
 /// A tree of links on the world.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Paths of strands: which joints lie between the two ends of a segment.
 
 use super::Structure;
-use crate::mechanism::{Mechanism, Strand};
+use crate::mechanism::{Mechanism, Point, Strand, Wrap};
 use std::ops::Range;
 
 /// A step along the path from one end of a segment to the frame in which it is evaluated.
@@ -22,7 +22,8 @@ impl PathStep {
     }
 }
 
-/// A moving segment: the joints between its ends, met in the middle.
+/// A moving segment: the joints between its ends, met in the middle; for one over a surface the
+/// middle is the link that carries the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SegmentPath {
     /// From the first point's link to the middle.
@@ -34,6 +35,8 @@ pub struct SegmentPath {
     /// Where each pair (i, j), j ≤ i, of joints crossed stands in a packed matrix, below the
     /// diagonal; `None` if a coordinate is kinematic.
     pub slots: Vec<Option<usize>>,
+    /// Whether it runs over a surface. A joint may then be crossed on both sides.
+    pub is_wrapped: bool,
 }
 
 /// A strand's moving segments and the coordinates they span.
@@ -56,16 +59,17 @@ impl Structure {
     pub(super) fn strand_path(&self, mechanism: &Mechanism, strand: &Strand) -> StrandPath {
         let mut coordinates = Vec::new();
         let mut segments = Vec::new();
-        for pair in strand.points.windows(2) {
-            if pair[0].link == pair[1].link {
+        for (gap, pair) in strand.points.windows(2).enumerate() {
+            let wrap = strand.wrap(gap);
+            let Some([first, second]) = segment_path(mechanism, [pair[0], pair[1]], wrap) else {
                 continue;
-            }
-            let [first, second] = path_between(mechanism, pair[0].link, pair[1].link);
+            };
             for step in first.iter().chain(&second) {
                 coordinates.push(self.coordinate_of[step.link() as usize]);
             }
             let (positions, slots) = (Vec::new(), Vec::new());
-            segments.push(SegmentPath { first, second, positions, slots });
+            let is_wrapped = wrap.is_some();
+            segments.push(SegmentPath { first, second, positions, slots, is_wrapped });
         }
         coordinates.sort_unstable();
         coordinates.dedup();
@@ -110,13 +114,39 @@ fn chain(mechanism: &Mechanism, link: Option<u32>) -> Vec<u32> {
     std::iter::successors(link, |&link| mechanism.links[link as usize].parent).collect()
 }
 
+/// The joints from both points of a segment to its middle; `None` where none of them moves the
+/// points or the surface between them against each other.
+pub fn segment_path(
+    mechanism: &Mechanism,
+    points: [Point; 2],
+    wrap: Option<&Wrap>,
+) -> Option<[Vec<PathStep>; 2]> {
+    let [first, second] = points.map(|point| point.link);
+    let paths = match wrap {
+        None => path_between(mechanism, first, second),
+        Some(wrap) => [first, second].map(|link| path_to(mechanism, link, wrap.center.link)),
+    };
+    paths.iter().any(|path| !path.is_empty()).then_some(paths)
+}
+
 /// The joints from the ends of a segment to its middle, split so that both cross about as many.
-pub fn path_between(
+fn path_between(
     mechanism: &Mechanism,
     first: Option<u32>,
     second: Option<u32>,
 ) -> [Vec<PathStep>; 2] {
-    let (mut up, mut down) = (chain(mechanism, first), chain(mechanism, second));
+    let whole = path_to(mechanism, first, second);
+    let middle = whole.len() / 2;
+    let reversed = |step: &PathStep| match *step {
+        PathStep::Up(l) => PathStep::Down(l),
+        PathStep::Down(l) => PathStep::Up(l),
+    };
+    [whole[..middle].to_vec(), whole[middle..].iter().rev().map(reversed).collect()]
+}
+
+/// The joints from one link to another: up to their common ancestor, then down.
+fn path_to(mechanism: &Mechanism, from: Option<u32>, to: Option<u32>) -> Vec<PathStep> {
+    let (mut up, mut down) = (chain(mechanism, from), chain(mechanism, to));
     while let (Some(a), Some(b)) = (up.last(), down.last()) {
         if a != b {
             break;
@@ -124,13 +154,6 @@ pub fn path_between(
         up.pop();
         down.pop();
     }
-    // The whole path from first to second: up to the common ancestor, then down.
     let up = up.iter().map(|&l| PathStep::Up(l));
-    let whole: Vec<PathStep> = up.chain(down.iter().rev().map(|&l| PathStep::Down(l))).collect();
-    let middle = whole.len() / 2;
-    let reversed = |step: &PathStep| match *step {
-        PathStep::Up(l) => PathStep::Down(l),
-        PathStep::Down(l) => PathStep::Up(l),
-    };
-    [whole[..middle].to_vec(), whole[middle..].iter().rev().map(reversed).collect()]
+    up.chain(down.iter().rev().map(|&l| PathStep::Down(l))).collect()
 }

@@ -4,11 +4,11 @@
 //! Shares with the kernels the poses of links and nothing else: no screws, no lumped bodies, no
 //! hubs, no segments. Slow and plain.
 
-use handc_core::scalar::Scalar;
+use handc_core::scalar::{Comparison, Scalar};
 use handc_runtime::dual::Dual;
 use handc_runtime::expression::{Function, Own, Variable};
 use handc_runtime::mechanics::{At, Mechanics, Workspace};
-use handc_runtime::mechanism::{Law, Mechanism, Number, Point};
+use handc_runtime::mechanism::{Law, Mechanism, Number, Point, Strand, SurfaceForm, Wrap};
 use handc_runtime::resolved::Resolved;
 use handc_runtime::structure::Structure;
 use handc_runtime::vector::{Transform, Vec3};
@@ -79,18 +79,60 @@ impl<'a> Oracle<'a> {
         energy
     }
 
-    /// Lengths of the strands, point to point in the world.
+    /// Lengths of the strands, point to point in the world, round the surfaces between.
     pub(crate) fn lengths<S: Scalar>(&self, q: &[S]) -> Vec<S> {
         let (poses, numbers) = (self.poses(q), self.numbers());
-        let length = |points: &[Point]| {
+        let length = |strand: &Strand| {
             let mut sum = S::zero();
-            for pair in points.windows(2) {
+            for (gap, pair) in strand.points.windows(2).enumerate() {
                 let [a, b] = [0, 1].map(|i| Self::place(&poses, &numbers, &pair[i]));
-                sum += (b - a).norm_squared().sqrt();
+                sum += match strand.wrap(gap) {
+                    None => (b - a).norm_squared().sqrt(),
+                    Some(wrap) => Self::way(&poses, &numbers, wrap, [a, b]),
+                };
             }
             sum
         };
-        self.mechanism.strands.iter().map(|strand| length(&strand.points)).collect()
+        self.mechanism.strands.iter().map(length).collect()
+    }
+
+    /// Length of the way over a surface by angles, in the world.
+    fn way<S: Scalar>(
+        poses: &[Transform<S>],
+        numbers: &Resolved<S>,
+        wrap: &Wrap,
+        points: [Vec3<S>; 2],
+    ) -> S {
+        let turned = |v| {
+            let v = numbers.vector(v);
+            wrap.center.link.map_or(v, |link| poses[link as usize].rotation * v)
+        };
+        let center = Self::place(poses, numbers, &wrap.center);
+        let mut arms = points.map(|point| point - center);
+        let mut rise = S::zero();
+        if let SurfaceForm::Cylinder { axis } = &wrap.form {
+            let axis = turned(axis);
+            rise = axis.dot(arms[1] - arms[0]);
+            arms = arms.map(|arm| arm - axis.scale(axis.dot(arm)));
+        }
+        let r = numbers.number(wrap.radius);
+        let norms = arms.map(|arm| arm.norm_squared().sqrt());
+        let mut angle = arms[0].cross(arms[1]).norm_squared().sqrt().atan2(arms[0].dot(arms[1]));
+        if let Some(side) = &wrap.side {
+            let middle = arms[0].scale(norms[0].recip()) + arms[1].scale(norms[1].recip());
+            let other = S::constant(std::f64::consts::TAU) - angle;
+            let on_side = turned(side).dot(middle);
+            angle = S::select(Comparison::Less, on_side, S::zero(), other, angle);
+        }
+        let mut flat = S::zero();
+        for norm in norms {
+            flat += (norm * norm - r * r).sqrt();
+            angle -= (r / norm).acos();
+        }
+        flat += r * angle;
+        let straight = (points[1] - points[0]).norm_squared().sqrt();
+        let bent = (flat * flat + rise * rise).sqrt();
+        S::select(Comparison::Less, S::zero(), angle, bent, straight)
     }
 
     /// Potential energy: gravity, strands, springs, elastic limits.
