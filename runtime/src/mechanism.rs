@@ -231,6 +231,16 @@ pub enum Law {
     Prescribed,
 }
 
+/// Friction of a strand that slides over its points (Euler and Eytelwein): across a point where it
+/// bends by θ the tension falls by exp(−μθ) against the way it slides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Friction {
+    /// Coefficient μ.
+    pub coefficient: Number,
+    /// Speed (m/s) at which most of the friction is felt: the sign of sliding is smooth below it.
+    pub speed: Number,
+}
+
 /// An elastic path; its length x is that of the way from point to point, over the surfaces between
 /// them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -251,6 +261,8 @@ pub struct Strand {
     pub damping: Number,
     /// Width (m) over which it goes slack; `None` for one that can push.
     pub slack: Option<Number>,
+    /// Friction where it slides over its points, if any.
+    pub friction: Option<Friction>,
     /// Natural length as a function of time, parameters and inputs; `None`: the length at the start.
     /// Of a prescribed strand, the length that it is to have.
     pub rest: Option<Program>,
@@ -265,7 +277,7 @@ impl Strand {
             Law::Tension(function) => function.gradient.contains(&Variable::Own(Own::Rate)),
             _ => false,
         };
-        in_law || !self.damping.is_zero()
+        in_law || !self.damping.is_zero() || self.friction.is_some()
     }
 }
 

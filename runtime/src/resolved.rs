@@ -110,6 +110,25 @@ pub struct Joint<S> {
     pub origin: Vec3<S>,
 }
 
+impl<S: Scalar> Joint<S> {
+    /// The same joint over another scalar.
+    pub(crate) fn over<T>(&self, lift: &impl Fn(S) -> T) -> Joint<T> {
+        let vector = |v: Vec3<S>| Vec3(v.0.map(lift));
+        Joint {
+            axis: match self.axis {
+                Axis::X => Axis::X,
+                Axis::Y => Axis::Y,
+                Axis::Z => Axis::Z,
+                Axis::General(axis) => Axis::General(vector(axis)),
+            },
+            rotates: self.rotates,
+            advance: self.advance.map(lift),
+            rotation: self.rotation.map(|rotation| Mat3(rotation.0.map(|row| row.map(lift)))),
+            origin: vector(self.origin),
+        }
+    }
+}
+
 /// The matter of a link, lumped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lump<S> {
@@ -134,6 +153,8 @@ pub struct ResolvedStrand<S> {
     pub damping: Option<S>,
     /// Width over which it goes slack, if it does.
     pub slack: Option<S>,
+    /// Friction coefficient and the speed that smooths it, if any.
+    pub friction: Option<(S, S)>,
     /// Sum of the segments within one link.
     pub constant_length: S,
     /// The moving segments.
@@ -459,6 +480,7 @@ impl<S: Scalar> Resolved<S> {
             },
             damping: (!strand.damping.is_zero()).then(|| self.number(strand.damping)),
             slack: strand.slack.map(|width| self.number(width)),
+            friction: strand.friction.map(|f| (self.number(f.coefficient), self.number(f.speed))),
             constant_length,
             segments,
         }

@@ -126,6 +126,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
             damping: Number::ZERO,
             slack: None,
             actuator: None,
+            friction: None,
             rest: None,
         });
     }
@@ -140,6 +141,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
             damping: Number::ZERO,
             slack: None,
             actuator: None,
+            friction: None,
             rest: Some(constant(spring["x0"].as_f64().unwrap())),
         });
     }

@@ -40,7 +40,8 @@ struct Pose {
 }
 
 /// Beginnings of warnings that a force is not in the file as it is in handc.
-const FORCES_DIFFER: [&str; 3] = ["MJCF cannot say how", "elastic limits", "force `"];
+const FORCES_DIFFER: [&str; 5] =
+    ["MJCF cannot say how", "elastic limits", "force `", "not the law", "without friction"];
 
 /// What a run begins with: the model with its scenario's parameters, natural lengths and inputs.
 struct Beginning {

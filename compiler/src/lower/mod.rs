@@ -15,8 +15,8 @@ use handc_dsl::hir;
 use handc_dsl::source::{SourceMap, Span};
 use handc_runtime::expression::{Function, Own, Program};
 use handc_runtime::mechanism::{
-    Constraint, ConstraintKind, Coordinate, Force, Frame, Input, Law, Link, Mechanism, Motion,
-    Number, NumberTransform, NumberVector, Param, Point, Strand, SurfaceForm, Torque, Wrap,
+    Constraint, ConstraintKind, Coordinate, Force, Frame, Friction, Input, Law, Link, Mechanism,
+    Motion, Number, NumberTransform, NumberVector, Param, Point, Strand, SurfaceForm, Torque, Wrap,
 };
 use handc_runtime::vector::{Mat3, Transform, Vec3};
 use std::collections::HashMap;
@@ -284,6 +284,10 @@ impl Lowering<'_> {
             },
             damping: self.number_or_zero(&strand.damping),
             slack: strand.slack.as_ref().map(|width| self.number(width)),
+            friction: strand.friction.as_ref().map(|[coefficient, speed]| Friction {
+                coefficient: self.number(coefficient),
+                speed: self.number(speed),
+            }),
             actuator: strand.actuator.map(|input| input.0),
             rest: strand.rest.as_ref().map(|rest| self.program(rest)),
         }

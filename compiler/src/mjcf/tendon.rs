@@ -9,13 +9,16 @@ impl Exporter<'_> {
     /// Every strand; those with a natural length that changes get an actuator beside the spring.
     pub(super) fn strands(&mut self) {
         let mechanism = self.mechanism;
-        let (mut changing, mut unsaid) = (Vec::new(), Vec::new());
+        let (mut changing, mut unsaid, mut rough) = (Vec::new(), Vec::new(), Vec::new());
         for (index, strand) in mechanism.strands.iter().enumerate() {
             let name = self.tendon_names.take(&strand.name);
             let numbers = &self.numbers.strands[index];
             let stiffness = numbers.stiffness.unwrap_or(0.0);
             if !matches!(strand.law, Law::Linear { .. }) {
                 unsaid.push(strand.name.as_str());
+            }
+            if strand.friction.is_some() {
+                rough.push(strand.name.as_str());
             }
             let (damping, is_slack) = (numbers.damping.unwrap_or(0.0), numbers.slack.is_some());
             let rest = self.start.rest[index];
@@ -47,6 +50,7 @@ impl Exporter<'_> {
                 changing.push(strand.name.as_str());
             }
         }
+        self.warn_of("the tendon slides without friction", &rough);
         self.warn_of("the tendon is there, but not the law of its tension", &unsaid);
         self.warn_of(
             "the natural length changes; the control `.rest` is how much longer (m) it is than at \

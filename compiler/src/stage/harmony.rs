@@ -137,7 +137,8 @@ fn describe(
                 Law::Tension(_) => 2,
                 Law::Prescribed => 3,
             };
-            signature.extend([-3, law, i64::from(strand.slack.is_some())]);
+            let options = [strand.slack.is_some(), strand.friction.is_some()].map(i64::from);
+            signature.extend([-3, law, options[0], options[1]]);
             signature.extend(strand.points.iter().map(|point| local(point.link)));
             for wrap in &strand.wraps {
                 let form = match wrap.form {
@@ -200,6 +201,9 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
             }
             list.push(&mut strand.damping);
             list.extend(&mut strand.slack);
+            if let Some(friction) = &mut strand.friction {
+                list.extend([&mut friction.coefficient, &mut friction.speed]);
+            }
         }
         Element::Force(index) => list.extend(&mut mechanism.forces[index].point.position),
     }

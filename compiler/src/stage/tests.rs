@@ -97,6 +97,7 @@ fn strand(name: &str, points: Vec<Point>) -> Strand {
         damping: Number::ZERO,
         slack: None,
         actuator: None,
+        friction: None,
         rest: None,
     }
 }

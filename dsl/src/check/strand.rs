@@ -10,7 +10,7 @@ use crate::dimension::Dimension;
 use crate::hir;
 use crate::source::Span;
 
-const OPTIONS: [&str; 9] = [
+const OPTIONS: [&str; 11] = [
     "stiffness",
     "rest",
     "damping",
@@ -20,11 +20,15 @@ const OPTIONS: [&str; 9] = [
     "tension",
     "actuated",
     "drive",
+    "friction",
+    "friction_speed",
 ];
 /// Each of these is a law; a strand has one.
 const LAWS: [&str; 4] = ["stiffness", "energy", "tension", "drive"];
 /// Width of slack where none is given (m).
 const SLACK_WIDTH: f64 = 1e-4;
+/// Speed that smooths friction where none is given (m/s).
+const FRICTION_SPEED: f64 = 1e-3;
 
 /// An option of a strand by name, unless it is switched off.
 fn wanted<'a>(block: &'a Block, name: &str) -> Option<&'a Setting> {
@@ -89,6 +93,10 @@ impl<'a> Checker<'a> {
                 self.must(damping, |x| x >= 0.0, message);
             }
             let slack = self.slack(scope, name.span, block, &options);
+            let friction = self.friction(scope, name.span, block, &options);
+            if let (Some(_), Some((path, wraps))) = (&friction, &path) {
+                self.may_slide(path, wraps, name.span);
+            }
             let actuator = self.actuators.iter().find(|a| a.0 == index);
             let actuator = actuator.map(|&(_, input)| hir::InputId(input as u32));
             if let (Some((path, wraps)), Some(law)) = (path, law) {
@@ -99,6 +107,7 @@ impl<'a> Checker<'a> {
                     law,
                     damping,
                     slack,
+                    friction,
                     rest,
                     actuator,
                     span: decl.span,
@@ -203,6 +212,59 @@ impl<'a> Checker<'a> {
                 Some(hir::Expr { kind, dimension: Dimension::LENGTH, span })
             }
             None => given,
+        }
+    }
+
+    /// Friction coefficient, and the speed that smooths its sign.
+    fn friction(
+        &mut self,
+        scope: ScopeId,
+        span: Span,
+        block: &'a Block,
+        options: &Options<'a>,
+    ) -> Option<[hir::Expr; 2]> {
+        let speed = options.setting("friction_speed");
+        let Some(coefficient) = options.setting("friction") else {
+            if let Some(speed) = speed {
+                let message = "`friction_speed` does nothing without `friction`";
+                self.report(Diagnostic::warning("no-effect", speed.name.span, message));
+            }
+            return None;
+        };
+        if let Some(drive) = wanted(block, "drive") {
+            let message = "a strand whose length is prescribed has no friction";
+            self.report(
+                Diagnostic::error("two-laws", coefficient.span, message)
+                    .also(drive.span, "its length is prescribed here"),
+            );
+        }
+        let what = "`friction` of a strand";
+        let coefficient =
+            self.expect(scope, &coefficient.value, Dimension::NONE, what, May::PARAMS)?;
+        self.must(&coefficient, |x| x >= 0.0, "a friction coefficient cannot be negative");
+        let speed = match speed {
+            None => super::number(FRICTION_SPEED, Dimension::VELOCITY, span),
+            Some(speed) => {
+                let what = "`friction_speed` of a strand";
+                self.expect(scope, &speed.value, Dimension::VELOCITY, what, May::PARAMS)?
+            }
+        };
+        self.must(&speed, |x| x > 0.0, "`friction_speed` of a strand must be positive");
+        Some([coefficient, speed])
+    }
+
+    /// Complains about friction of a path that has no point to slide over, or surfaces.
+    fn may_slide(&mut self, path: &[hir::Point], wraps: &[hir::Wrap], span: Span) {
+        if let Some(wrap) = wraps.first() {
+            let message = "friction acts at points, not over surfaces";
+            let error = Diagnostic::error("friction", wrap.span, message);
+            self.report(
+                error.help("replace the surface by points along the arc, or leave friction out"),
+            );
+        } else if path.len() < 3 {
+            let message = "this strand has friction, but no point between its ends to slide over";
+            let error = Diagnostic::warning("no-effect", span, message);
+            self.report(error.help("add a point to its path"));
         }
     }
 

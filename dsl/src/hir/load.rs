@@ -73,6 +73,8 @@ pub struct Strand {
     pub damping: Option<Expr>,
     /// Width (m) over which it goes slack; `None` for one that can push.
     pub slack: Option<Expr>,
+    /// Friction coefficient and smoothing speed (m/s) where it slides over its points, if any.
+    pub friction: Option<[Expr; 2]>,
     /// Natural length; `None`: the length at the start, on the constraints. Of a prescribed strand,
     /// its length.
     pub rest: Option<Expr>,

@@ -11,6 +11,7 @@
 pub mod constraint;
 pub mod energy;
 pub mod force;
+mod friction;
 pub mod inertia;
 pub mod joint;
 mod law;

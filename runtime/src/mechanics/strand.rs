@@ -51,6 +51,10 @@ impl<S: Scalar> Mechanics<'_, S> {
             if strand.law == Law::Prescribed {
                 continue;
             }
+            if self.numbers.strands[index].friction.is_some() {
+                self.add_sliding(workspace, at, index, terms);
+                continue;
+            }
             let rate = if strand.has_rate() {
                 self.strand_rate(workspace, index, at.v)
             } else {
@@ -155,15 +159,19 @@ impl<S: Scalar> Mechanics<'_, S> {
             for &(column, slope) in slopes {
                 let length_dq = &workspace.strand.length_dq[path.span.clone()];
                 for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
-                    let value = weight * slope * dq;
-                    if row == column {
-                        terms.add(self.structure, row, row, value);
-                    } else {
-                        let half = value.scale(0.5);
-                        terms.add_pair(self.structure.pair(row, column), half, half);
-                    }
+                    self.add_entry(row, column, weight * slope * dq, terms);
                 }
             }
+        }
+    }
+
+    /// Adds one entry before even and odd parts are unfolded.
+    pub(super) fn add_entry(&self, row: usize, column: usize, value: S, terms: &mut Terms<S>) {
+        if row == column {
+            terms.add(self.structure, row, row, value);
+        } else {
+            let half = value.scale(0.5);
+            terms.add_pair(self.structure.pair(row, column), half, half);
         }
     }
 
@@ -260,7 +268,8 @@ impl<S: Scalar> Mechanics<'_, S> {
     }
 
     /// What all strands do at a state: rate ẋ (m/s), tension (N), whether it pulls (1, 0 or between)
-    /// and the power that damping takes (W), four numbers for each.
+    /// and the power that damping and
+    /// friction take (W), four numbers for each.
     pub fn strand_states(&self, workspace: &mut Workspace<S>, at: &At<S>, states: &mut [[S; 4]]) {
         self.prepare(workspace, at.q);
         for (index, state) in states.iter_mut().enumerate() {
@@ -268,7 +277,11 @@ impl<S: Scalar> Mechanics<'_, S> {
             let rate = self.strand_rate(workspace, index, at.v);
             let length = workspace.strand.lengths[index];
             let pull = self.pull(workspace, at, index, (length, rate), false);
-            *state = [rate, pull.tension, pull.taut, pull.dissipation];
+            let mut dissipation = pull.dissipation;
+            if self.numbers.strands[index].friction.is_some() {
+                dissipation += pull.tension * self.sliding_loss(at, index);
+            }
+            *state = [rate, pull.tension, pull.taut, dissipation];
         }
     }
 }

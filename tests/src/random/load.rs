@@ -25,10 +25,11 @@ pub(super) fn strands(draft: &mut Draft) {
         };
         let path = points.join(" -> ");
         let law = law(draft);
-        let more = match draft.chance.below(4) {
+        let more = match draft.chance.below(6) {
             0 => format!(" damping = {};", draft.quantity(0.4, "N*s/m")),
             1 => " slack = true; slack_width = 0.2 m;".to_string(),
             2 => " slack = true; slack_width = 0.1 m; damping = 0.3 N*s/m;".to_string(),
+            3 if count > 2 => " friction = 0.2; friction_speed = 0.1 m/s;".to_string(),
             _ => String::new(),
         };
         draft.lines.push(format!("strand {name} {{ path = {path};{law}{rest}{more} }}"));

@@ -135,6 +135,75 @@ impl<'a> Oracle<'a> {
         S::select(Comparison::Less, S::zero(), angle, bent, straight)
     }
 
+    /// Energy of a strand by its length.
+    fn strand_energy<S: Scalar>(
+        &self,
+        numbers: &Resolved<S>,
+        index: usize,
+        length: S,
+        rest: S,
+    ) -> S {
+        let strand = &self.mechanism.strands[index];
+        let (stretch, seen) = match strand.slack {
+            Some(width) => {
+                let ramp = ramp(length - rest, numbers.number(width));
+                (ramp, rest + ramp)
+            }
+            None => (length - rest, length),
+        };
+        let read = |variable| match variable {
+            Variable::Own(Own::Length) => seen,
+            Variable::Own(Own::Rest) => rest,
+            Variable::Param(p) => numbers.params[p as usize],
+            _ => S::constant(f64::NAN),
+        };
+        match &strand.law {
+            Law::Linear { stiffness } => {
+                (numbers.number(*stiffness) * stretch * stretch).scale(0.5)
+            }
+            Law::Energy(program) => program.value(read),
+            Law::Tension(function) if is_constant(function) => seen * function.program.value(read),
+            Law::Tension(_) | Law::Prescribed => S::zero(),
+        }
+    }
+
+    /// Σ φ_k·∂d_k/∂q of a strand that slides over its points with friction.
+    fn sliding(&self, index: usize, q: &[f64], v: &[f64], numbers: &Resolved<f64>) -> Vec<f64> {
+        let strand = &self.mechanism.strands[index];
+        let friction = strand.friction.expect("a strand with friction");
+        let [mu, slow] = [friction.coefficient, friction.speed].map(|n| numbers.number(n));
+        let points = |q: &[Dual<f64>]| -> Vec<Vec3<Dual<f64>>> {
+            let (poses, numbers) = (self.poses(q), self.numbers());
+            strand.points.iter().map(|p| Self::place(&poses, &numbers, p)).collect()
+        };
+        let slopes: Vec<Vec<f64>> = (0..q.len())
+            .map(|j| {
+                let p = points(&seeded(q, j));
+                p.windows(2).map(|ab| (ab[1] - ab[0]).norm_squared().sqrt().slope).collect()
+            })
+            .collect();
+        let here: Vec<[f64; 3]> = points(&fixed(q)).iter().map(|p| p.0.map(|x| x.value)).collect();
+        let along: Vec<[f64; 3]> = here
+            .windows(2)
+            .map(|ab| {
+                let d = [0, 1, 2].map(|i| ab[1][i] - ab[0][i]);
+                let size = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+                d.map(|x| x / size)
+            })
+            .collect();
+        let segments = along.len();
+        let rate = |k: usize| -> f64 { slopes.iter().zip(v).map(|(s, v)| s[k] * v).sum() };
+        let mut factors = vec![1.0; segments];
+        for k in 1..segments {
+            let out: f64 = (k..segments).map(rate).sum();
+            let cosine: f64 = along[k - 1].iter().zip(&along[k]).map(|(a, b)| a * b).sum();
+            let smooth = |square: f64| (square + 1e-8).sqrt();
+            let bend = 2.0 * smooth(2.0 - 2.0 * cosine).atan2(smooth(2.0 + 2.0 * cosine));
+            factors[k] = factors[k - 1] * (mu * bend * out / out.hypot(slow)).exp();
+        }
+        slopes.iter().map(|s| s.iter().zip(&factors).map(|(d, f)| d * f).sum()).collect()
+    }
+
     /// Potential energy: gravity, strands, springs, elastic limits.
     pub(crate) fn potential<S: Scalar>(&self, q: &[S], rest: &[S]) -> S {
         let (poses, numbers): (_, Resolved<S>) = (self.poses(q), self.numbers());
@@ -146,32 +215,8 @@ impl<'a> Oracle<'a> {
                 Self::place(&poses, &numbers, &Point { link: body.link, position: body.center });
             energy -= numbers.number(body.mass) * gravity.dot(center);
         }
-        for (i, (strand, length)) in self.mechanism.strands.iter().zip(self.lengths(q)).enumerate()
-        {
-            let (stretch, seen) = match strand.slack {
-                Some(width) => {
-                    let ramp = ramp(length - rest[i], numbers.number(width));
-                    (ramp, rest[i] + ramp)
-                }
-                None => (length - rest[i], length),
-            };
-            energy += match &strand.law {
-                Law::Linear { stiffness } => spring(numbers.number(*stiffness), stretch),
-                Law::Energy(program) => program.value(|variable| match variable {
-                    Variable::Own(Own::Length) => seen,
-                    Variable::Own(Own::Rest) => rest[i],
-                    Variable::Param(p) => numbers.params[p as usize],
-                    _ => S::constant(f64::NAN),
-                }),
-                Law::Tension(function) if is_constant(function) => {
-                    let read = |variable| match variable {
-                        Variable::Param(p) => numbers.params[p as usize],
-                        _ => S::constant(f64::NAN),
-                    };
-                    seen * function.program.value(read)
-                }
-                Law::Tension(_) | Law::Prescribed => S::zero(),
-            };
+        for (i, length) in self.lengths(q).into_iter().enumerate() {
+            energy += self.strand_energy(&numbers, i, length, rest[i]);
         }
         for (c, &q) in self.mechanism.coordinates.iter().zip(q) {
             energy += spring(numbers.number(c.stiffness), q - numbers.number(c.rest));
@@ -256,6 +301,16 @@ impl<'a> Oracle<'a> {
             }
             for (sum, arms) in force.iter_mut().zip(&arms) {
                 *sum -= tension * arms[i];
+            }
+            if strand.friction.is_some() {
+                // All of the tension goes another way than the potential's gradient says.
+                let numbers: Resolved<Dual<f64>> = self.numbers();
+                let (length, rest) = (Dual::variable(lengths[i]), Dual::fixed(at.rest[i]));
+                let whole = tension + self.strand_energy(&numbers, i, length, rest).slope;
+                let gradient = self.sliding(i, at.q, at.v, &self.numbers());
+                for ((sum, arms), g) in force.iter_mut().zip(&arms).zip(gradient) {
+                    *sum -= whole * (g - arms[i]);
+                }
             }
         }
     }
