@@ -54,7 +54,9 @@ impl<S: Scalar> Mechanics<'_, S> {
         v: impl Fn(usize) -> T,
     ) -> Sliding<T> {
         let path = &self.structure.strands[index];
-        let points = &self.mechanism.strands[index].points;
+        // A point given twice has no direction to bend from.
+        let mut points = self.mechanism.strands[index].points.clone();
+        points.dedup();
         let friction = self.numbers.strands[index].friction;
         let (coefficient, speed) = friction.unwrap_or_else(|| (S::zero(), S::one()));
         let (coefficient, speed) = (lift(coefficient), lift(speed));

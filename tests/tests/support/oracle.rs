@@ -174,7 +174,9 @@ impl<'a> Oracle<'a> {
         let [mu, slow] = [friction.coefficient, friction.speed].map(|n| numbers.number(n));
         let points = |q: &[Dual<f64>]| -> Vec<Vec3<Dual<f64>>> {
             let (poses, numbers) = (self.poses(q), self.numbers());
-            strand.points.iter().map(|p| Self::place(&poses, &numbers, p)).collect()
+            let mut distinct = strand.points.clone();
+            distinct.dedup();
+            distinct.iter().map(|p| Self::place(&poses, &numbers, p)).collect()
         };
         let slopes: Vec<Vec<f64>> = (0..q.len())
             .map(|j| {
