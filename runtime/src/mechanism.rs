@@ -261,6 +261,8 @@ pub struct Strand {
     pub damping: Number,
     /// Width (m) over which it goes slack; `None` for one that can push.
     pub slack: Option<Number>,
+    /// Whether the joints that it spans balance at every step, their inertia left out.
+    pub quasi_static: bool,
     /// Friction where it slides over its points, if any.
     pub friction: Option<Friction>,
     /// Natural length as a function of time, parameters and inputs; `None`: the length at the start.

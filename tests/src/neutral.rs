@@ -127,6 +127,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
             slack: None,
             actuator: None,
             friction: None,
+            quasi_static: false,
             rest: None,
         });
     }
@@ -142,6 +143,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
             slack: None,
             actuator: None,
             friction: None,
+            quasi_static: false,
             rest: Some(constant(spring["x0"].as_f64().unwrap())),
         });
     }

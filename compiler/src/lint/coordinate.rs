@@ -42,6 +42,35 @@ pub(super) fn limits(context: &Context, found: &mut Vec<Diagnostic>) {
     }
 }
 
+/// Joints that a quasi-static strand spans beside others that none spans.
+pub(super) fn half_static(context: &Context, found: &mut Vec<Diagnostic>) {
+    let structure = Structure::new(context.mechanism);
+    for (coordinate, others) in structure.half_static(context.mechanism) {
+        let strands = context.model.strands.iter().zip(&structure.strands);
+        let mut spanning =
+            strands.filter(|(s, p)| s.quasi_static && p.coordinates.contains(&coordinate));
+        let Some((strand, _)) = spanning.next() else { continue };
+        let others: Vec<String> =
+            others.iter().map(|&c| format!("`{}`", context.name(c))).collect();
+        found.push(
+            Diagnostic::error(
+                "half-static",
+                strand.name.span,
+                format!(
+                    "`{}` makes `{}` quasi-static, but {} moves with it and has inertia",
+                    strand.name.text,
+                    context.name(coordinate),
+                    others.join(", ")
+                ),
+            )
+            .help(
+                "inertia is left out of a whole tree or not at all: give `quasi_static = true` to a \
+                 strand over each of these joints, or drive them",
+            ),
+        );
+    }
+}
+
 /// Coordinates whose joint moves no mass, and that nothing else holds. Returns whether all are held.
 pub(super) fn held(context: &Context, found: &mut Vec<Diagnostic>) -> bool {
     let mechanism = context.mechanism;

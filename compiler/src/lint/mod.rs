@@ -31,6 +31,7 @@ pub fn lint(model: &hir::Model, mechanism: &Mechanism) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     body::bodies(&context, &mut found);
     coordinate::limits(&context, &mut found);
+    coordinate::half_static(&context, &mut found);
     let held = coordinate::held(&context, &mut found);
     route::routes(&mut context, &mut found);
     if held && !found.iter().any(Diagnostic::is_error) {

@@ -284,6 +284,7 @@ impl Lowering<'_> {
             },
             damping: self.number_or_zero(&strand.damping),
             slack: strand.slack.as_ref().map(|width| self.number(width)),
+            quasi_static: strand.quasi_static,
             friction: strand.friction.as_ref().map(|[coefficient, speed]| Friction {
                 coefficient: self.number(coefficient),
                 speed: self.number(speed),

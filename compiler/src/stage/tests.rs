@@ -98,6 +98,7 @@ fn strand(name: &str, points: Vec<Point>) -> Strand {
         slack: None,
         actuator: None,
         friction: None,
+        quasi_static: false,
         rest: None,
     }
 }

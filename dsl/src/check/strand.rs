@@ -10,7 +10,7 @@ use crate::dimension::Dimension;
 use crate::hir;
 use crate::source::Span;
 
-const OPTIONS: [&str; 11] = [
+const OPTIONS: [&str; 12] = [
     "stiffness",
     "rest",
     "damping",
@@ -22,6 +22,7 @@ const OPTIONS: [&str; 11] = [
     "drive",
     "friction",
     "friction_speed",
+    "quasi_static",
 ];
 /// Each of these is a law; a strand has one.
 const LAWS: [&str; 4] = ["stiffness", "energy", "tension", "drive"];
@@ -107,6 +108,7 @@ impl<'a> Checker<'a> {
                     law,
                     damping,
                     slack,
+                    quasi_static: wanted(block, "quasi_static").is_some(),
                     friction,
                     rest,
                     actuator,
@@ -276,7 +278,7 @@ impl<'a> Checker<'a> {
         block: &'a Block,
         options: &Options<'a>,
     ) -> Option<hir::Expr> {
-        for name in ["slack", "actuated"] {
+        for name in ["slack", "actuated", "quasi_static"] {
             if let Some(setting) = options.setting(name)
                 && !matches!(word(&setting.value), Some("true" | "false"))
             {

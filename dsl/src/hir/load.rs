@@ -73,6 +73,8 @@ pub struct Strand {
     pub damping: Option<Expr>,
     /// Width (m) over which it goes slack; `None` for one that can push.
     pub slack: Option<Expr>,
+    /// Whether the joints that it spans balance at every step, their inertia left out.
+    pub quasi_static: bool,
     /// Friction coefficient and smoothing speed (m/s) where it slides over its points, if any.
     pub friction: Option<[Expr; 2]>,
     /// Natural length; `None`: the length at the start, on the constraints. Of a prescribed strand,

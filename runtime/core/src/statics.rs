@@ -1,16 +1,21 @@
-//! Coordinates in static equilibrium at an instant: massless nodes that strands hold.
+//! Coordinates in static equilibrium at an instant: massless nodes that strands hold, joints whose
+//! inertia is left out.
 //!
 //! Within a step they are unknowns like others and balance at its middle. What is written of an
 //! instant, a row of a result file or an energy, shows them balanced at that instant: found here by
 //! Newton's method over these coordinates alone. The state of the run is not touched, so that a run
 //! does not depend on what is looked at.
 
-use crate::layout::Layout;
+use crate::layout::{Block, CoordinateKind, Layout};
 use crate::linalg::solve_least_norm;
 use crate::model::{Midpoint, Model};
 
-/// Newton iterations before the search is given up.
-const MAX_ITERATIONS: usize = 60;
+/// Corrections before the search is given up.
+const MAX_ITERATIONS: usize = 400;
+/// How much of the stiffest entry the first correction adds to all.
+const FIRST_FOLLOW: f64 = 1e-3;
+/// Longest correction, in units of 1 rad or the model's length.
+const FARTHEST: f64 = 0.25;
 
 /// Finds the balance; owns its scratch.
 #[derive(Clone, Debug, Default)]
@@ -52,66 +57,24 @@ impl Statics {
     }
 
     /// Moves the coordinates of `q` to where the forces on them vanish; those that nothing pulls
-    /// stay. An error is the coordinate that is worst, and the force (N) left on it.
+    /// stay. An error is the coordinate that is worst, and the force (N or N·m) left on it.
+    ///
+    /// Each correction follows the forces, (K + μD)δ = F with K = −∂F/∂q, and is taken if they have
+    /// worked on the way: so the search ends in a balance that is stable. μ falls as corrections
+    /// succeed, and near the balance they are Newton's.
     pub(crate) fn settle<M: Model>(
         &mut self,
         model: &mut M,
         q: &mut [f64],
-        (t, rest, inputs): (f64, &[f64], &[f64]),
+        around: (f64, &[f64], &[f64]),
     ) -> Result<(), (usize, f64)> {
         let layout = model.layout().clone();
         let groups = std::mem::take(&mut self.groups);
         let mut outcome = Ok(());
         for (number, members) in &groups {
             let block = &layout.blocks[*number];
-            let width = block.coordinates.len();
-            let count = members.len();
-            let mut before = f64::INFINITY;
-            let mut last = vec![0.0; count];
-            let mut fraction = 1.0;
-            let mut settled = false;
-            for _ in 0..MAX_ITERATIONS {
-                let found = self.forces(model, q, (t, rest, inputs));
-                let norm = members.iter().map(|&(_, c)| found[c].powi(2)).sum::<f64>().sqrt();
-                if norm == 0.0 {
-                    settled = true;
-                    break;
-                }
-                if !(norm < before) && fraction > 1e-3 && before.is_finite() {
-                    // Too far along the last correction, or as near as rounding lets it come.
-                    let size = last.iter().fold(0.0, |a: f64, x: &f64| a.max((x * fraction).abs()));
-                    if size <= 1e-13 * layout.length_scale {
-                        settled = true;
-                        break;
-                    }
-                    fraction *= 0.5;
-                    for (&(_, c), step) in members.iter().zip(&last) {
-                        q[c] -= fraction * step;
-                    }
-                    continue;
-                }
-                before = norm;
-                fraction = 1.0;
-                let entry = |i: usize, j: usize| self.matrix[block.matrix_offset + i * width + j];
-                let pairs =
-                    members.iter().flat_map(|&(i, _)| members.iter().map(move |&(j, _)| (i, j)));
-                let system: Vec<f64> = pairs.map(|(i, j)| entry(i, j)).collect();
-                let rhs: Vec<f64> = members.iter().map(|&(_, c)| -self.force[c]).collect();
-                if system.iter().chain(&rhs).any(|x| !x.is_finite()) {
-                    break;
-                }
-                last = solve_least_norm(&system, count, count, &rhs).x;
-                let size = last.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-                for (&(_, c), step) in members.iter().zip(&last) {
-                    q[c] += step;
-                }
-                if size <= 1e-15 * layout.length_scale {
-                    settled = true;
-                    break;
-                }
-            }
-            if !settled {
-                let force = self.forces(model, q, (t, rest, inputs));
+            if !self.settle_block(model, &layout, q, around, (block, members)) {
+                let force = self.forces(model, q, around);
                 let worst = members.iter().map(|&(_, c)| (c, force[c]));
                 let worst = worst.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
                 outcome = worst.map_or(Ok(()), Err);
@@ -120,6 +83,78 @@ impl Statics {
         }
         self.groups = groups;
         outcome
+    }
+
+    fn settle_block<M: Model>(
+        &mut self,
+        model: &mut M,
+        layout: &Layout,
+        q: &mut [f64],
+        around: (f64, &[f64], &[f64]),
+        (block, members): (&Block, &[(usize, usize)]),
+    ) -> bool {
+        let (width, count) = (block.coordinates.len(), members.len());
+        let size = |c: usize| match layout.coordinates[c].kind {
+            CoordinateKind::Angle => 1.0,
+            CoordinateKind::Length => layout.length_scale,
+        };
+        let pick = |force: &[f64]| members.iter().map(|&(_, c)| force[c]).collect::<Vec<f64>>();
+        let mut force = pick(self.forces(model, q, around));
+        let (mut follow, mut idle) = (FIRST_FOLLOW, 0);
+        for _ in 0..MAX_ITERATIONS {
+            if force.iter().all(|f| *f == 0.0) {
+                return true;
+            }
+            let slot = |i: usize, k: usize| block.matrix_offset + i * width + k;
+            let mut system = vec![0.0; count * count];
+            for (i, &(row, _)) in members.iter().enumerate() {
+                for (k, &(column, _)) in members.iter().enumerate() {
+                    system[i * count + k] = -self.matrix[slot(row, column)];
+                }
+            }
+            if system.iter().chain(&force).any(|x| !x.is_finite()) {
+                return false;
+            }
+            let stiffest =
+                (0..count).map(|i| system[i * count + i].abs() * size(members[i].1).powi(2));
+            let stiffest = stiffest.fold(0.0, f64::max);
+            for (i, &(_, c)) in members.iter().enumerate() {
+                system[i * count + i] += follow * stiffest / size(c).powi(2);
+            }
+            let mut step = solve_least_norm(&system, count, count, &force).x;
+            let far = members.iter().zip(&step).map(|(&(_, c), x)| x.abs() / size(c));
+            let far = far.fold(0.0, f64::max);
+            let shorter = (FARTHEST / far).min(1.0);
+            step.iter_mut().for_each(|x| *x *= shorter);
+            let before: Vec<f64> = members.iter().map(|&(_, c)| q[c]).collect();
+            members.iter().zip(&step).for_each(|(&(_, c), x)| q[c] += x);
+            let next = pick(self.forces(model, q, around));
+            let work: f64 = (0..count).map(|i| 0.5 * (force[i] + next[i]) * step[i]).sum();
+            let (old, new) = (largest(&force), largest(&next));
+            // Rounding alone is left: corrections that hardly change anything.
+            if follow <= FIRST_FOLLOW && far <= 1e-9 && !(new < 0.5 * old) {
+                idle += 1;
+            }
+            if idle == 3 || (follow == 0.0 && far <= 1e-15) {
+                return true;
+            }
+            if (work >= 0.0 || new < 0.5 * old) && new.is_finite() {
+                follow = if new < 0.5 * old { follow * 0.1 } else { follow * 0.5 };
+                if follow < 1e-6 {
+                    follow = 0.0;
+                }
+                force = next;
+            } else {
+                members.iter().zip(&before).for_each(|(&(_, c), x)| q[c] = *x);
+                follow = (4.0 * follow).max(1e-4);
+                // The matrix goes back with the coordinates.
+                self.forces(model, q, around);
+                if follow > 1e12 {
+                    return false;
+                }
+            }
+        }
+        false
     }
 
     /// Forces at rest; with a step of 4 the Newton matrix is their derivative.
@@ -134,4 +169,8 @@ impl Statics {
         model.evaluate_with_matrix(&at, 4.0, momentum, force, &mut self.matrix);
         force
     }
+}
+
+fn largest(force: &[f64]) -> f64 {
+    force.iter().fold(0.0, |a: f64, f| if f.abs() <= a { a } else { f.abs() })
 }

@@ -195,24 +195,27 @@ impl<S: Scalar> Mechanics<'_, S> {
     ) {
         for tree in &self.structure.trees {
             let hub_from_world = self.place_tree(workspace, tree, q);
+            // Where inertia is left out nothing of the motion is felt, but weight is.
+            let zero = if tree.is_static { vec![S::zero(); v.len()] } else { Vec::new() };
+            let v = if tree.is_static { &zero } else { v };
             self.move_tree(workspace, tree, v);
             self.place_lumps(workspace, tree);
             let gravity = self.numbers.gravity.map(|g| hub_from_world * g);
             for &run in &tree.runs {
                 self.move_run(workspace, run, tree.base == Some(run), v);
-                self.add_run(workspace, run, gravity, terms);
+                self.add_run(workspace, run, gravity, tree.is_static, terms);
                 self.load_parent(workspace, run);
             }
             self.sum_subtrees(workspace, tree);
             for &link in &tree.links {
-                self.add_link(workspace, link, gravity, terms);
+                self.add_link(workspace, link, gravity, tree.is_static, terms);
             }
         }
     }
 
     /// The mass matrix at the prepared coordinates, packed.
     pub(crate) fn add_mass_matrix(&self, workspace: &mut Workspace<S>, q: &[S], matrix: &mut [S]) {
-        for tree in &self.structure.trees {
+        for tree in self.structure.trees.iter().filter(|tree| !tree.is_static) {
             self.place_tree(workspace, tree, q);
             let zero = vec![S::zero(); self.structure.count];
             self.move_tree(workspace, tree, &zero);
@@ -364,6 +367,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         workspace: &Workspace<S>,
         j: u32,
         gravity: Option<Vec3<S>>,
+        is_static: bool,
         terms: &mut Terms<S>,
     ) {
         let scratch = &workspace.inertia;
@@ -386,7 +390,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         let f = inertia.times(screw);
         let e = inertia.times(screw_dot).plus(&screw.cross_force(momentum));
         let (quarter, half) = (h.scale(0.25), S::constant(0.5));
-        let f_by_h = f.scale(-h.recip());
+        let f_by_h = f.scale(if is_static { S::zero() } else { -h.recip() });
         let e_quarter = e.scale(quarter);
         let lean = gravity.map(|g| f.linear.cross(g).scale(quarter));
         let mut at = Some(j);

@@ -27,6 +27,8 @@ pub struct Tree {
     pub base: Option<usize>,
     /// Links from the root to the hub, hub included.
     pub trunk: Vec<u32>,
+    /// Whether its inertia is left out: quasi-static strands hold every coordinate of it.
+    pub is_static: bool,
 }
 
 /// Where the entries (i, j) and (j, i) of a packed matrix stand, as their even and odd part.
@@ -80,8 +82,8 @@ pub struct Structure {
     pub world_links: Vec<bool>,
     /// Rows that prescribe the length of a strand, and the strand.
     pub prescribed: Vec<(usize, usize)>,
-    /// Coordinates in static equilibrium: of massless nodes, where nothing depends on their rates and
-    /// no constraint holds them.
+    /// Coordinates in static equilibrium: of massless nodes and of trees whose inertia is left out,
+    /// where nothing depends on their rates and no constraint holds them.
     pub is_static: Vec<bool>,
     /// Blocks of the step equations.
     pub blocks: Vec<Block>,
@@ -230,7 +232,7 @@ impl Structure {
             let (hub, base) = self.hub(mechanism, root);
             let mut trunk = self.chain(hub);
             trunk.reverse();
-            self.trees.push(Tree { links, runs, hub, base, trunk });
+            self.trees.push(Tree { links, runs, hub, base, trunk, is_static: false });
         }
     }
 

@@ -1,20 +1,65 @@
 //! Coordinates in static equilibrium.
 
-use super::Structure;
+use super::{Structure, Tree};
 use crate::expression::{Function, Variable};
 use crate::mechanism::Mechanism;
 
 impl Structure {
-    /// Coordinates of nodes that carry no mass, have no damping, are held by no constraint and of
-    /// whose rates no force depends: nothing of them is left in a step but that forces balance.
+    /// Dynamic coordinates of a tree.
+    fn tree_coordinates(&self, mechanism: &Mechanism, tree: &Tree) -> Vec<usize> {
+        let of_runs = tree.runs.iter().flat_map(|&run| &self.runs[run].links);
+        let links = tree.links.iter().chain(of_runs);
+        let coordinates = links.map(|&link| self.coordinate_of[link as usize]);
+        coordinates.filter(|&c| mechanism.coordinates[c].drive.is_none()).collect()
+    }
+
+    /// Coordinates that quasi-static strands span.
+    fn quasi_static(&self, mechanism: &Mechanism) -> Vec<bool> {
+        let mut spanned = vec![false; self.count];
+        for (strand, path) in mechanism.strands.iter().zip(&self.strands) {
+            if strand.quasi_static {
+                path.coordinates.iter().for_each(|&c| spanned[c] = true);
+            }
+        }
+        spanned
+    }
+
+    /// Coordinates that keep their inertia though a quasi-static strand spans them, since another
+    /// coordinate that moves the same matter is spanned by none: of each tree, one of the first kind
+    /// and all of the second.
+    pub fn half_static(&self, mechanism: &Mechanism) -> Vec<(usize, Vec<usize>)> {
+        let spanned = self.quasi_static(mechanism);
+        let mut found = Vec::new();
+        for tree in self.trees.iter().filter(|tree| !tree.is_static) {
+            let own = self.tree_coordinates(mechanism, tree);
+            if let Some(&first) = own.iter().find(|&&c| spanned[c]) {
+                found.push((first, own.into_iter().filter(|&c| !spanned[c]).collect()));
+            }
+        }
+        found
+    }
+
+    /// Coordinates of nodes that carry no mass and of trees whose inertia is left out, that have no
+    /// damping, are held by no constraint and of whose rates no force depends: nothing of them is
+    /// left in a step but that forces balance.
     pub(super) fn find_statics(&mut self, mechanism: &Mechanism) {
+        let spanned = self.quasi_static(mechanism);
+        let mut is_still = vec![false; self.count];
+        for index in 0..self.trees.len() {
+            let own = self.tree_coordinates(mechanism, &self.trees[index]);
+            if !own.is_empty() && own.iter().all(|&c| spanned[c]) {
+                self.trees[index].is_static = true;
+                own.into_iter().for_each(|c| is_still[c] = true);
+            }
+        }
         let mut is_static: Vec<bool> = mechanism
             .coordinates
             .iter()
             .enumerate()
             .map(|(c, coordinate)| {
                 let has_mass = self.has_mass_below[self.link_of[c] as usize];
-                coordinate.is_node && !has_mass && coordinate.damping.is_zero()
+                let weightless = is_still[c] || (coordinate.is_node && !has_mass);
+                weightless && coordinate.damping.is_zero()
             })
             .collect();
         let mut moving = Vec::new();

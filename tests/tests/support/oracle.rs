@@ -62,6 +62,9 @@ impl<'a> Oracle<'a> {
         let mut energy = S::zero();
         for body in &self.mechanism.bodies {
             let Some(link) = body.link else { continue };
+            if self.is_weighed_only(link) {
+                continue;
+            }
             let pose = &poses[link as usize];
             let rate = Vec3(pose.point(numbers.vector(&body.center)).0.map(|x| x.slope));
             let mass = numbers.number(body.mass).value;
@@ -77,6 +80,33 @@ impl<'a> Oracle<'a> {
             }
         }
         energy
+    }
+
+    /// Whether quasi-static strands span every joint of the tree that carries a link.
+    fn is_weighed_only(&self, link: u32) -> bool {
+        let root = |mut link: u32| {
+            while let Some(parent) = self.mechanism.links[link as usize].parent {
+                link = parent;
+            }
+            link
+        };
+        let spanned: Vec<usize> = self
+            .mechanism
+            .strands
+            .iter()
+            .zip(&self.structure.strands)
+            .filter(|(strand, _)| strand.quasi_static)
+            .flat_map(|(_, path)| path.coordinates.clone())
+            .collect();
+        let carries = |l: usize| {
+            let below = |body: &handc_runtime::mechanism::Body| {
+                body.link.is_some_and(|b| self.structure.chain(Some(b)).contains(&(l as u32)))
+            };
+            self.mechanism.bodies.iter().any(below)
+        };
+        (0..self.mechanism.links.len())
+            .filter(|&l| root(l as u32) == root(link) && carries(l))
+            .all(|l| spanned.contains(&(self.mechanism.links[l].coordinate as usize)))
     }
 
     /// Lengths of the strands, point to point in the world, round the surfaces between.

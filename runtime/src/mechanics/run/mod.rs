@@ -120,12 +120,13 @@ impl<S: Scalar> Mechanics<'_, S> {
     }
 
     /// Adds what a run that has been moved does to its own coordinates, and the matrix between them
-    /// and those of its ancestors.
+    /// and those of its ancestors; without the mass matrix where inertia is left out.
     pub(crate) fn add_run(
         &self,
         workspace: &mut Workspace<S>,
         index: usize,
         gravity: Option<Vec3<S>>,
+        is_static: bool,
         terms: &mut Terms<S>,
     ) {
         let (run, numbers) = (&self.structure.runs[index], &self.numbers.runs[index]);
@@ -148,7 +149,7 @@ impl<S: Scalar> Mechanics<'_, S> {
             terms.force[row] += force;
         }
         let Some((h, _)) = terms.matrix else { return };
-        let (quarter, by_h) = (h.scale(0.25), h.recip());
+        let (quarter, by_h) = (h.scale(0.25), if is_static { S::zero() } else { h.recip() });
         scratch.even.clear();
         scratch.odd.clear();
         for (i, turned) in scratch.links.iter().enumerate() {
