@@ -13,6 +13,7 @@ use crate::vector::Transform;
 use handc_core::lanes::next_revision;
 use handc_core::layout::{
     ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Quantity, ScenarioLayout, Strand,
+    Wrap,
 };
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;
@@ -208,6 +209,10 @@ impl Model for Interpreter {
         let (mechanics, workspace) = self.mechanics();
         mechanics.strand_lengths(workspace, q, lengths);
     }
+    fn clearances(&mut self, q: &[f64], clearances: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.clearances(workspace, q, clearances);
+    }
     fn inputs(&mut self, t: f64, inputs: &mut [f64]) {
         let mechanism = Arc::clone(&self.mechanism);
         for (input, value) in mechanism.inputs.iter().zip(inputs) {
@@ -331,6 +336,13 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
                 is_prescribed: s.law == Law::Prescribed,
                 actuator: s.actuator.map(|input| input as usize),
             })
+            .collect(),
+        wraps: mechanism
+            .strands
+            .iter()
+            .enumerate()
+            .flat_map(|(strand, s)| s.wraps.iter().map(move |wrap| (strand, wrap)))
+            .map(|(strand, wrap)| Wrap { strand, surface: wrap.to_string() })
             .collect(),
         rows: mechanism
             .constraints
