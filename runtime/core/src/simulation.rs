@@ -12,7 +12,7 @@ use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
 use std::sync::Arc;
 
-pub use crate::lookup::find_param;
+pub use crate::lookup::{find_name, find_param};
 
 /// Relative tolerance where nothing else is asked for: below rounding, so that the floor decides.
 pub const DEFAULT_TOLERANCE: f64 = 1e-15;
