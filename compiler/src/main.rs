@@ -3,6 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use handc::command::atlas::AtlasOptions;
 use handc::command::export::{ExportOptions, Format};
+use handc::command::pose::PoseOptions;
 use handc::command::posture::PostureOptions;
 use handc::command::strength::{OffAxis, Plane, StrengthOptions};
 use handc::command::{self, Stage};
@@ -105,6 +106,40 @@ enum Command {
         #[arg(long, value_name = "STEM")]
         out: Option<PathBuf>,
     },
+    /// Where a model comes to rest; with --hold, the tensions that hold it in a pose
+    Pose {
+        #[command(flatten)]
+        source: Source,
+        #[command(flatten)]
+        posture: Posture,
+        /// Natural length of a strand; may be repeated
+        #[arg(long, value_name = "STRAND=LENGTH")]
+        rest: Vec<String>,
+        /// Shorten the natural length of a strand; may be repeated
+        #[arg(long, value_name = "STRAND=LENGTH")]
+        pull: Vec<String>,
+        /// A force that acts on a frame, world axes (N); may be repeated
+        #[arg(long, value_name = "FRAME=FX,FY,FZ")]
+        load: Vec<String>,
+        /// Tell about this frame too; may be repeated
+        #[arg(long, value_name = "FRAME")]
+        at: Vec<String>,
+        /// Find the least tensions that hold the pose, and natural lengths for them
+        #[arg(long)]
+        hold: bool,
+        /// Largest tension of a strand; may be repeated
+        #[arg(long, value_name = "STRAND=FORCE")]
+        limit: Vec<String>,
+        /// Largest tension of every other strand
+        #[arg(long, value_name = "FORCE", allow_hyphen_values = true)]
+        limit_all: Option<String>,
+        /// A strand that pulls by its own law instead; may be repeated
+        #[arg(long, value_name = "STRAND")]
+        passive: Vec<String>,
+        /// Write STEM.coordinates.csv, STEM.strands.csv, STEM.svg and STEM.png
+        #[arg(long, value_name = "STEM")]
+        out: Option<PathBuf>,
+    },
     /// The largest force at a point within limits of tension, in the directions of a plane
     Strength {
         #[command(flatten)]
@@ -121,7 +156,7 @@ enum Command {
         #[arg(long, value_name = "FRAME")]
         axes: Option<String>,
         /// Directions around the plane
-        #[arg(long, value_name = "N", default_value_t = 180, value_parser = clap::value_parser!(u64).range(4..=100_000))]
+        #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::value_parser!(u64).range(4..=100_000))]
         directions: u64,
         /// This direction instead of a plane; may be repeated
         #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
@@ -370,6 +405,28 @@ fn dispatch(command: Command) -> u8 {
                 out,
             })
         }
+        Command::Pose {
+            source,
+            posture,
+            rest,
+            pull,
+            load,
+            at,
+            hold,
+            limit,
+            limit_all,
+            passive,
+            out,
+        } => command::pose::pose(&PoseOptions {
+            posture: PostureOptions { rest, load, ..posture.options(source) },
+            pull,
+            at,
+            hold,
+            limit,
+            limit_all,
+            passive,
+            out,
+        }),
         Command::Strength {
             source,
             posture,

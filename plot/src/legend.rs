@@ -43,9 +43,20 @@ pub(crate) fn beside(
 
 /// A sample of the line and its name.
 pub(crate) fn entry(canvas: &mut dyn Canvas, line: &Line, [x, y]: Place, room: f64) {
-    canvas.line(&[[x, y], [x + SAMPLE, y]], &palette::stroke(line.style));
+    sample(canvas, &palette::stroke(line.style), &line.label, [x, y], room);
+}
+
+/// A sample of any line and its name.
+pub(crate) fn sample(
+    canvas: &mut dyn Canvas,
+    stroke: &Stroke,
+    name: &str,
+    [x, y]: Place,
+    room: f64,
+) {
+    canvas.line(&[[x, y], [x + SAMPLE, y]], stroke);
     let at = [x + SAMPLE + GAP, y + 0.5 * font::CAP * SIZE];
-    canvas.text(at, &font::fit(&line.label, SIZE, false, room), &TextStyle::new(SIZE).color(GREY));
+    canvas.text(at, &font::fit(name, SIZE, false, room), &TextStyle::new(SIZE).color(GREY));
 }
 
 /// Heights as near to the wanted ones as can be without two lines of text meeting.

@@ -14,8 +14,8 @@ use std::f64::consts::{PI, TAU};
 const WIDTH: f64 = 340.0;
 /// Radius of the outermost circle.
 const RADIUS: f64 = 122.0;
-/// Around the circle: names of directions.
-const RIM: f64 = 26.0;
+/// Above and below the circle: names of directions.
+const RIM: f64 = 15.0;
 /// Height of a line of the notes.
 const NOTE: f64 = 9.6;
 /// Size of small text.

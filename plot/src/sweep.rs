@@ -6,7 +6,9 @@ use crate::chart::{
     BETWEEN, Frame, GAP, LEFT, MARGIN, TIME, TITLE, WIDTH, curve, horizontal, title, vertical,
 };
 use crate::compose::{Line, Panel, axis_over, with_unit};
+use crate::font;
 use crate::legend;
+use crate::palette;
 use crate::save::Picture;
 use crate::ticks::{Axis, extent};
 use crate::unit::{Scale, Unit};
@@ -16,9 +18,9 @@ const COLUMNS: usize = 4;
 /// Height of a panel.
 const HEIGHT: f64 = 92.0;
 /// Widest panel: fewer columns are not drawn wider.
-const WIDEST: f64 = 250.0;
+const WIDEST: f64 = 280.0;
 /// The value that the others are held at.
-const MARK: Stroke = Stroke { color: [150, 150, 150], width: 0.6, dash: &[2.0, 1.6] };
+const MARK: Stroke = Stroke { color: [130, 130, 130], width: 0.7, dash: &[2.0, 1.5] };
 
 /// What is varied in a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +53,8 @@ pub struct SweepPlot {
     pub title: String,
     /// Names of the curves, in the order of their colours.
     pub names: Vec<String>,
+    /// What the marked values are.
+    pub mark: String,
     /// Columns from left to right.
     pub columns: Vec<Sweep>,
     /// Rows from top to bottom.
@@ -66,20 +70,27 @@ impl SweepPlot {
         (0..bands).map(|band| band * each..((band + 1) * each).min(count)).collect()
     }
 
+    /// Names of the curves, and of what marks the others' values.
+    fn legend_names(&self) -> impl Iterator<Item = &str> {
+        let is_marked = self.columns.iter().any(|column| column.mark.is_some());
+        self.names.iter().map(String::as_str).chain(is_marked.then_some(self.mark.as_str()))
+    }
+
     fn legend_lines(&self) -> usize {
         if self.names.iter().all(String::is_empty) {
             return 0;
         }
-        legend::flow(self.names.iter().map(String::as_str), WIDTH - 2.0 * MARGIN - LEFT).1
+        legend::flow(self.legend_names(), self.width() - 2.0 * MARGIN - LEFT).1
     }
 
     fn names(&self, canvas: &mut dyn Canvas, top: f64) {
-        let width = WIDTH - 2.0 * MARGIN - LEFT;
-        let (places, _) = legend::flow(self.names.iter().map(String::as_str), width);
-        for ((style, name), (x, line)) in self.names.iter().enumerate().zip(places) {
-            let entry = Line { label: name.clone(), style, values: &[] };
+        let width = self.width() - 2.0 * MARGIN - LEFT;
+        let (places, _) = legend::flow(self.legend_names(), width);
+        for ((style, name), (x, line)) in self.legend_names().enumerate().zip(places) {
             let at = [MARGIN + LEFT + x, top + legend::LEADING * (line as f64 + 0.5)];
-            legend::entry(canvas, &entry, at, width - x - legend::SAMPLE - legend::GAP);
+            let stroke = if style < self.names.len() { palette::stroke(style) } else { MARK };
+            let room = width - x - legend::SAMPLE - legend::GAP;
+            legend::sample(canvas, &stroke, name, at, room);
         }
     }
 
@@ -140,11 +151,33 @@ fn across(sweep: &Sweep, width: f64) -> (Scale, Axis) {
     (scale.clone(), Axis::new(middle - half, middle + half, most, Unit::degrees(&scale)))
 }
 
+impl SweepPlot {
+    /// Width of a panel.
+    fn panel_width(&self) -> f64 {
+        let most = self.most();
+        let room = WIDTH - 2.0 * MARGIN - LEFT - 4.0 - BETWEEN * (most - 1.0);
+        (room / most).min(WIDEST)
+    }
+
+    /// Columns of the widest band.
+    fn most(&self) -> f64 {
+        self.bands().iter().map(ExactSizeIterator::len).max().unwrap_or(1).max(1) as f64
+    }
+
+    /// Width of the figure.
+    fn width(&self) -> f64 {
+        let most = self.most();
+        let panels = 2.0 * MARGIN + LEFT + 4.0 + BETWEEN * (most - 1.0) + most * self.panel_width();
+        let title = 2.0 * MARGIN + font::width(&self.title, 10.0, true);
+        panels.max(title).min(WIDTH)
+    }
+}
+
 impl Picture for SweepPlot {
     fn size(&self) -> Place {
         let legend = self.legend_lines() as f64 * legend::LEADING + 6.0;
         let band = self.rows.len() as f64 * (HEIGHT + GAP) - GAP + TIME;
-        [WIDTH, 2.0 * MARGIN + TITLE + legend + band * self.bands().len() as f64]
+        [self.width(), 2.0 * MARGIN + TITLE + legend + band * self.bands().len() as f64]
     }
     fn title(&self) -> String {
         self.title.clone()
@@ -157,11 +190,8 @@ impl Picture for SweepPlot {
             self.names(canvas, y - 2.0);
         }
         y += lines as f64 * legend::LEADING + 6.0;
-        let bands = self.bands();
-        let most = bands.iter().map(ExactSizeIterator::len).max().unwrap_or(1).max(1) as f64;
-        let room = WIDTH - 2.0 * MARGIN - LEFT - 4.0 - BETWEEN * (most - 1.0);
-        let width = (room / most).min(WIDEST);
-        for band in bands {
+        let width = self.panel_width();
+        for band in self.bands() {
             for (k, row) in self.rows.iter().enumerate() {
                 let is_last = k + 1 == self.rows.len();
                 for (place, column) in band.clone().enumerate() {

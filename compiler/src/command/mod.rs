@@ -11,6 +11,7 @@ pub mod fmt;
 pub mod info;
 pub mod new;
 pub mod plot;
+pub mod pose;
 pub mod posture;
 pub mod run;
 pub mod strength;

@@ -17,9 +17,7 @@ pub(crate) struct Balance {
     pub(crate) tangent: Tangent,
     /// What is there without the pulled strands, for each direction.
     pub(crate) force: Vec<f64>,
-    /// The pulled strands by index.
-    pub(crate) strands: Vec<usize>,
-    /// What one newton of each does, for each direction.
+    /// What one newton of each pulled strand does, for each direction.
     pub(crate) pull: Vec<Vec<f64>>,
 }
 
@@ -49,7 +47,7 @@ impl Balance {
                 strands.iter().map(along).collect()
             })
             .collect();
-        Some(Balance { force: tangent.push(), tangent, strands: strands.to_vec(), pull })
+        Some(Balance { force: tangent.push(), tangent, pull })
     }
 
     /// What a force at a point does along each direction, per component in world axes; q is the pose.

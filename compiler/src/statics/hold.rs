@@ -37,6 +37,11 @@ pub(crate) fn hold(balance: &Balance, limits: &[f64]) -> Result<Hold, String> {
     }
 }
 
+/// Which tensions are at their limits.
+fn reached(tensions: &[f64], limits: &[f64]) -> Vec<bool> {
+    tensions.iter().zip(limits).map(|(tension, limit)| *tension >= limit * (1.0 - 1e-9)).collect()
+}
+
 /// Least ½|force + Σ Tᵢ pullᵢ|².
 fn nearest(balance: &Balance, limits: &[f64]) -> Result<Hold, String> {
     let arms = balance.pull.iter().flatten().fold(0.0, |a: f64, x| a.max(x.abs()));
@@ -56,7 +61,7 @@ fn nearest(balance: &Balance, limits: &[f64]) -> Result<Hold, String> {
     match program.solve() {
         Outcome::Solved(solution) => Ok(Hold {
             tensions: solution.x[..count].to_vec(),
-            at_limit: solution.at_high[..count].to_vec(),
+            at_limit: reached(&solution.x[..count], limits),
             miss: Some(solution.x[count..].to_vec()),
         }),
         Outcome::Failed(message) => Err(message),

@@ -2,5 +2,6 @@
 
 pub(crate) mod balance;
 pub(crate) mod hold;
+pub(crate) mod natural;
 pub mod program;
 pub mod strength;

@@ -55,8 +55,7 @@ pub struct Tangent {
     pub residual: Vec<f64>,
     /// Directions that keep the constraints: an orthonormal basis in units of `scale`, n numbers each.
     pub basis: Vec<Vec<f64>>,
-    /// Tangent stiffness in that basis.
-    pub(super) stiffness: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
     /// Principal directions of its symmetric part, softest first.
     pub directions: Vec<Direction>,
 }
@@ -112,6 +111,11 @@ impl Tangent {
             Tangent { linear, scale, reaction, residual, basis, stiffness, directions: Vec::new() };
         tangent.find_directions();
         Some(tangent)
+    }
+
+    /// Tangent stiffness in the basis.
+    pub fn stiffness(&self) -> &DMatrix<f64> {
+        &self.stiffness
     }
 
     fn find_directions(&mut self) {

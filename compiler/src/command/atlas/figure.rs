@@ -86,6 +86,7 @@ fn plot(
     SweepPlot {
         title,
         names: shown.iter().map(|&s| short(&mechanism.strands[s].name)).collect(),
+        mark: "the pose".to_string(),
         columns: columns.collect(),
         rows: vec![
             row("moment arm", arm, &|instant, s| instant.arms[0][s]),

@@ -89,8 +89,7 @@ fn lines(
     sweeps: &[(Sweep, Vec<usize>)],
 ) -> Result<(), u8> {
     sweeps.iter().for_each(|(sweep, _)| tell(mechanism, sweep));
-    for (sweep, strands) in sweeps.iter().filter(|(_, strands)| strands.is_empty()) {
-        let _ = strands;
+    for (sweep, _) in sweeps.iter().filter(|(_, strands)| strands.is_empty()) {
         let joint = &mechanism.coordinates[sweep.coordinates[0]].name;
         eprintln!("note: no strand changes its length with `{joint}`");
     }
@@ -99,7 +98,7 @@ fn lines(
     let q = posture.q.clone();
     posture.model.strand_lengths(&q, &mut lengths);
     let title = match (&options.posture.pose, posture.scenario) {
-        (Some(pose), _) => format!("{}: strands over each joint from `{pose}`", mechanism.name),
+        (Some(pose), _) => format!("{}, pose {pose}: strands over each joint", mechanism.name),
         _ => format!("{}: strands over each joint", mechanism.name),
     };
     let drawn: Vec<(Sweep, Vec<usize>)> =

@@ -13,6 +13,7 @@ use handc_core::model::Model;
 use handc_core::simulation::{Settings, Simulation};
 use handc_core::start::project;
 use handc_dsl::dimension::Dimension;
+use handc_dsl::hir;
 use handc_runtime::analysis::linear::Held;
 use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanism::{Mechanism, Point};
@@ -70,13 +71,18 @@ pub(crate) struct Posture {
     pub(crate) loads: Vec<Load>,
 }
 
-/// Reads a model, or says what is wrong with it.
+/// Reads a mechanism, or says what is wrong with it.
 pub(crate) fn mechanism(options: &PostureOptions) -> Result<Mechanism, u8> {
+    model(options).map(|(_, mechanism)| mechanism)
+}
+
+/// Reads a model and its mechanism, or says what is wrong with it.
+pub(crate) fn model(options: &PostureOptions) -> Result<(hir::Model, Mechanism), u8> {
     let (mut checked, mechanism) = super::load(&options.file, options.root.as_deref());
     // No step is taken, so none is too long.
     checked.diagnostics.retain(|d| d.code != "long-step");
     super::report(&checked);
-    mechanism.ok_or(1)
+    checked.model.take().zip(mechanism).ok_or(1)
 }
 
 /// Loads of the command line, as the reader can make them out.
@@ -192,6 +198,13 @@ impl Posture {
     /// What stays as it is while the configuration varies.
     pub(crate) fn held(&self) -> Held<'_> {
         Held { t: 0.0, rest: &self.rest, inputs: &self.inputs, driven: &self.driven }
+    }
+
+    /// Goes on with another mechanism of the same names, parameters as they are.
+    pub(crate) fn exchange(&mut self, mechanism: Mechanism) {
+        let params = self.model.params().to_vec();
+        self.model = Interpreter::new(Arc::new(mechanism));
+        params.into_iter().enumerate().for_each(|(i, value)| self.model.set_param(i, value));
     }
 
     fn find_pose(&mut self, reader: &mut Reader, name: &str) -> Option<Vec<(usize, f64)>> {

@@ -49,6 +49,7 @@ pub(super) fn tensions(rows: &[Row], title: &str, strands: &[&str], limits: &[f6
     SweepPlot {
         title: title.to_string(),
         names: strands.iter().map(|name| (*name).to_string()).collect(),
+        mark: String::new(),
         columns: vec![Sweep {
             label: "direction of the force".to_string(),
             unit: Unit::Angle,
