@@ -6,6 +6,10 @@ use super::program::{Outcome, Program};
 /// Weight of a tension beside the miss that it leaves: enough to choose among equals.
 const LIGHT: f64 = 1e-10;
 
+/// A miss that is less than this part of the forces is none: the pose is at the edge of what can be
+/// held.
+const ROUNDING: f64 = 1e-9;
+
 /// What tensions can do for a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hold {
@@ -59,11 +63,16 @@ fn nearest(balance: &Balance, limits: &[f64]) -> Result<Hold, String> {
         program.right.push(-balance.force[k]);
     }
     match program.solve() {
-        Outcome::Solved(solution) => Ok(Hold {
-            tensions: solution.x[..count].to_vec(),
-            at_limit: reached(&solution.x[..count], limits),
-            miss: Some(solution.x[count..].to_vec()),
-        }),
+        Outcome::Solved(solution) => {
+            let (tensions, miss) = solution.x.split_at(count);
+            let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+            let is_held = largest(miss) <= ROUNDING * largest(&balance.force);
+            Ok(Hold {
+                tensions: tensions.to_vec(),
+                at_limit: reached(tensions, limits),
+                miss: (!is_held).then(|| miss.to_vec()),
+            })
+        }
         Outcome::Failed(message) => Err(message),
         other => Err(format!("{other:?}")),
     }
