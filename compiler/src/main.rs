@@ -118,6 +118,9 @@ enum Command {
         /// Shorten the natural length of a strand; may be repeated
         #[arg(long, value_name = "STRAND=LENGTH")]
         pull: Vec<String>,
+        /// Tension of a strand instead of its law; may be repeated
+        #[arg(long, value_name = "STRAND=FORCE")]
+        tension: Vec<String>,
         /// A force that acts on a frame, world axes (N); may be repeated
         #[arg(long, value_name = "FRAME=FX,FY,FZ")]
         load: Vec<String>,
@@ -410,6 +413,7 @@ fn dispatch(command: Command) -> u8 {
             posture,
             rest,
             pull,
+            tension,
             load,
             at,
             hold,
@@ -420,6 +424,7 @@ fn dispatch(command: Command) -> u8 {
         } => command::pose::pose(&PoseOptions {
             posture: PostureOptions { rest, load, ..posture.options(source) },
             pull,
+            tension,
             at,
             hold,
             limit,

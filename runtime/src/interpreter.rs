@@ -59,17 +59,6 @@ impl Interpreter {
         let (mechanics, workspace) = self.mechanics();
         mechanics.moment_arms(workspace, q, length_dq);
     }
-    /// Tensions of all strands at rest in q, with the given natural lengths and the inputs of time
-    /// zero (N), length s.
-    pub fn strand_tensions(&mut self, q: &[f64], rest: &[f64], tensions: &mut [f64]) {
-        let (v, mut inputs) = (vec![0.0; q.len()], vec![0.0; self.layout.inputs.len()]);
-        self.inputs(0.0, &mut inputs);
-        let mut states = vec![[0.0; 4]; tensions.len()];
-        self.strand_states(&Midpoint { q, v: &v, t: 0.0, rest, inputs: &inputs }, &mut states);
-        for (tension, state) in tensions.iter_mut().zip(states) {
-            *tension = state[StrandQuantity::Tension as usize];
-        }
-    }
     /// Motion of a point fixed in a link (rows 0 to 2) and turning of the link (rows 3 to 5) by every
     /// coordinate, in world axes, 6 × n by rows.
     pub fn point_jacobian(&mut self, q: &[f64], point: &Point, jacobian: &mut [f64]) {

@@ -41,6 +41,17 @@ pub(crate) fn hold(balance: &Balance, limits: &[f64]) -> Result<Hold, String> {
     }
 }
 
+/// Least ½ΣTᵢ² with Σ Tᵢ pullᵢ as wanted.
+fn least(balance: &Balance, limits: &[f64], wanted: &[f64]) -> Outcome {
+    let mut program = Program::default();
+    for limit in limits {
+        program.unknown(1.0, 0.0, [0.0, *limit]);
+    }
+    program.equations = balance.pull.clone();
+    program.right = wanted.to_vec();
+    program.solve()
+}
+
 /// Which tensions are at their limits.
 fn reached(tensions: &[f64], limits: &[f64]) -> Vec<bool> {
     tensions.iter().zip(limits).map(|(tension, limit)| *tension >= limit * (1.0 - 1e-9)).collect()
@@ -67,9 +78,16 @@ fn nearest(balance: &Balance, limits: &[f64]) -> Result<Hold, String> {
             let (tensions, miss) = solution.x.split_at(count);
             let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
             let is_held = largest(miss) <= ROUNDING * largest(&balance.force);
+            // Of all tensions that reach as far, the least.
+            let reached_force: Vec<f64> =
+                miss.iter().zip(&balance.force).map(|(miss, force)| miss - force).collect();
+            let tensions = match least(balance, limits, &reached_force) {
+                Outcome::Solved(solution) => solution.x,
+                _ => tensions.to_vec(),
+            };
             Ok(Hold {
-                tensions: tensions.to_vec(),
-                at_limit: reached(tensions, limits),
+                at_limit: reached(&tensions, limits),
+                tensions,
                 miss: (!is_held).then(|| miss.to_vec()),
             })
         }

@@ -9,10 +9,10 @@ mod sweep;
 mod table;
 
 use super::posture::names::Reader;
-use super::posture::{self, Posture, PostureOptions, value};
+use super::posture::{self, Posture, PostureOptions, edit, value};
 use handc_core::model::Model as _;
 use handc_plot::save;
-use handc_runtime::mechanism::Mechanism;
+use handc_runtime::mechanism::{Law, Mechanism};
 use std::path::{Path, PathBuf};
 use sweep::Sweep;
 
@@ -41,7 +41,13 @@ pub fn atlas(options: &AtlasOptions) -> u8 {
 fn run(options: &AtlasOptions) -> Result<(), u8> {
     let mechanism = posture::mechanism(&options.posture)?;
     let mut reader = Reader::new(&mechanism);
-    let settled = posture::settle(&mut reader, mechanism.clone(), &options.posture);
+    // What is prescribed would hold the joints that are swept: such strands are only measured.
+    let mut measured = mechanism.clone();
+    let prescribed: Vec<usize> = (0..mechanism.strands.len())
+        .filter(|&s| mechanism.strands[s].law == Law::Prescribed)
+        .collect();
+    prescribed.iter().for_each(|&s| edit::without_force(&mut measured, s));
+    let settled = posture::settle(&mut reader, measured, &options.posture);
     let settled = settled.map_err(|error| posture::fail(&error))?;
     let limits = settled.as_ref().map(|posture| posture::limits(&posture.model));
     let ranges = ranges(&mut reader, options, limits.as_deref());
@@ -55,6 +61,13 @@ fn run(options: &AtlasOptions) -> Result<(), u8> {
     }
     posture::complain(&reader)?;
     let Some(mut posture) = settled else { return Err(2) };
+    if !prescribed.is_empty() {
+        let names = prescribed.iter().map(|&s| format!("`{}`", mechanism.strands[s].name));
+        eprintln!(
+            "note: {} of prescribed length: measured only, tension 0",
+            names.collect::<Vec<_>>().join(", ")
+        );
+    }
     let stem = options.out.clone().unwrap_or_else(|| options.posture.file.with_extension("atlas"));
     match ranges.as_slice() {
         [first, second] if options.grid.is_some() => {

@@ -7,6 +7,8 @@ use crate::command::posture::Posture;
 use handc_core::linalg::solve_least_norm;
 use handc_core::model::Model;
 use handc_core::start::project;
+use handc_runtime::analysis::linear::Held;
+use handc_runtime::analysis::tangent::Tangent;
 
 /// What all strands do at one value.
 #[derive(Clone, Debug)]
@@ -105,15 +107,19 @@ impl<'a> Walker<'a> {
     fn visit(&mut self, q: &mut Vec<f64>, values: &[f64]) -> Option<Instant> {
         let mut next = q.clone();
         self.coordinates.iter().zip(values).for_each(|(&c, value)| next[c] = *value);
-        project(&mut self.posture.model, &mut next, &self.held).ok()?;
-        *q = next;
+        let rest = self.posture.rest.clone();
+        project(&mut self.posture.model, &mut next, &rest, &self.held).ok()?;
+        let asked = std::mem::replace(&mut self.posture.q, next);
+        let settled = self.posture.settle_nodes();
+        *q = std::mem::replace(&mut self.posture.q, asked);
+        settled.ok()?;
         let (n, s) = (q.len(), self.posture.rest.len());
-        let (mut lengths, mut tensions) = (vec![0.0; s], vec![0.0; s]);
+        let mut lengths = vec![0.0; s];
         let mut by_coordinate = vec![0.0; s * n];
         let model = &mut self.posture.model;
         model.strand_lengths(q, &mut lengths);
         model.moment_arms(q, &mut by_coordinate);
-        model.strand_tensions(q, &self.posture.rest, &mut tensions);
+        let tensions = self.posture.tensions(q, &rest);
         let arms = (0..self.coordinates.len())
             .map(|k| {
                 let motion = self.motion(q, k);
@@ -125,16 +131,36 @@ impl<'a> Walker<'a> {
     }
 
     /// Motion of all coordinates with the k-th swept one, the other swept ones at rest: the least
-    /// that keeps the constraints.
+    /// that keeps the constraints, and what massless nodes do.
     fn motion(&mut self, q: &[f64], k: usize) -> Vec<f64> {
-        let model = &mut self.posture.model;
-        let layout = model.layout().clone();
+        let layout = self.posture.model.layout().clone();
         let swept = self.coordinates[k];
         let mut motion = vec![0.0; q.len()];
         motion[swept] = 1.0;
-        if layout.rows.is_empty() {
+        if !layout.rows.is_empty() {
+            self.follow_constraints(q, swept, &mut motion);
+        }
+        self.follow_nodes(q, motion)
+    }
+
+    /// What massless nodes add to a motion as they stay balanced.
+    fn follow_nodes(&mut self, q: &[f64], motion: Vec<f64>) -> Vec<f64> {
+        let statics = self.posture.model.layout().statics(&self.posture.driven);
+        if statics.is_empty() {
             return motion;
         }
+        let mut driven = vec![true; q.len()];
+        statics.into_iter().for_each(|c| driven[c] = false);
+        let (rest, inputs) = (self.posture.rest.clone(), self.posture.inputs.clone());
+        let held = Held { t: 0.0, rest: &rest, inputs: &inputs, driven: &driven };
+        let tangent = Tangent::at(&mut self.posture.model, q, &held);
+        tangent.and_then(|tangent| tangent.balanced(&motion)).unwrap_or(motion)
+    }
+
+    /// The least motion that keeps the constraints.
+    fn follow_constraints(&mut self, q: &[f64], swept: usize, motion: &mut [f64]) {
+        let model = &mut self.posture.model;
+        let layout = model.layout().clone();
         let mut jacobian = vec![0.0; layout.constraint_size()];
         model.constraint_jacobian(q, 0.0, &mut jacobian);
         for block in layout.blocks.iter().filter(|block| block.coordinates.contains(&swept)) {
@@ -148,6 +174,5 @@ impl<'a> Walker<'a> {
             let found = solve_least_norm(&matrix, rows, free.len(), &right).x;
             free.iter().zip(found).for_each(|(&(_, c), value)| motion[c] = value);
         }
-        motion
     }
 }

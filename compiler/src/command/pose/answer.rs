@@ -53,10 +53,15 @@ impl Answer {
         frames: &[usize],
     ) -> Answer {
         let (n, s) = (q.len(), posture.rest.len());
-        let (mut lengths, mut tensions) = (vec![0.0; s], vec![0.0; s]);
+        let mut lengths = vec![0.0; s];
         let mut arms = vec![0.0; s * n];
         posture.model.strand_lengths(q, &mut lengths);
-        posture.model.strand_tensions(q, &posture.rest, &mut tensions);
+        let rest = posture.rest.clone();
+        let mut tensions = posture.tensions(q, &rest);
+        // A prescribed length is held by its multiplier.
+        for &(row, strand) in &posture.model.structure().prescribed {
+            tensions[strand] = tangent.reaction[row];
+        }
         posture.model.moment_arms(q, &mut arms);
         let reduced = along(&arms, s, &tangent);
         let vibrations = modes(

@@ -2,13 +2,13 @@
 
 use super::answer::Answer;
 use super::report::{self, Table};
-use crate::command::posture::Posture;
+use crate::command::posture::{Posture, edit};
 use crate::statics::balance::Balance;
 use crate::statics::hold::{Hold, hold as least};
 use crate::statics::natural::natural_length;
 use handc_core::model::Model as _;
 use handc_runtime::analysis::tangent::Tangent;
-use handc_runtime::mechanism::Mechanism;
+use handc_runtime::mechanism::{Law, Mechanism};
 use std::fmt::Write;
 
 /// A part of the largest force below which nothing is missing.
@@ -48,19 +48,31 @@ pub(super) fn hold(
     if hold.miss.is_some() {
         return Ok(Held::No { hold, balance: Box::new(balance) });
     }
+    let mut whole = whole;
+    let pulls = pulled.strands.iter().zip(&hold.tensions);
+    for (&strand, &tension) in pulls.clone() {
+        if matches!(whole.strands[strand].law, Law::Tension(_)) {
+            edit::commanded(&mut whole, strand, tension);
+        }
+    }
     posture.exchange(whole);
     let mut lengths = vec![0.0; posture.rest.len()];
     posture.model.strand_lengths(&q, &mut lengths);
     let mut too_soft = Vec::new();
-    for (&strand, &wanted) in pulled.strands.iter().zip(&hold.tensions) {
-        let (mut rest, mut tensions) = (posture.rest.clone(), vec![0.0; lengths.len()]);
-        let model = &mut posture.model;
-        let tension = |natural: f64| {
-            rest[strand] = natural;
-            model.strand_tensions(&q, &rest, &mut tensions);
-            tensions[strand]
+    let mechanism = posture.model.mechanism().clone();
+    for (&strand, &wanted) in pulls {
+        let natural = match mechanism.strands[strand].law {
+            Law::Tension(_) => continue,
+            Law::Prescribed => Some(lengths[strand]),
+            Law::Linear { .. } | Law::Energy(_) => {
+                let mut rest = posture.rest.clone();
+                natural_length(lengths[strand], wanted, |natural| {
+                    rest[strand] = natural;
+                    posture.tensions(&q, &rest)[strand]
+                })
+            }
         };
-        match natural_length(lengths[strand], wanted, tension) {
+        match natural {
             Some(natural) => posture.rest[strand] = natural,
             None => too_soft.push(strand),
         }
@@ -92,12 +104,13 @@ pub(super) fn text(
         };
         table.row(vec![
             strand.name.clone(),
-            format!("{tension:.4} N"),
+            format!("{} N", report::fixed(tension, 4)),
             limit,
             format!("{:.3} mm", answer.lengths[s] * 1e3),
-            match too_soft.contains(&s) {
-                true => "none".to_string(),
-                false => format!("{:.3} mm", answer.rest[s] * 1e3),
+            match posture.model.mechanism().strands[s].law {
+                Law::Tension(_) => "commanded".to_string(),
+                _ if too_soft.contains(&s) => "none".to_string(),
+                _ => format!("{:.3} mm", answer.rest[s] * 1e3),
             },
         ]);
     }
@@ -134,9 +147,14 @@ pub(super) fn missing(
     let needed = balance.by_coordinate(&balance.force.iter().map(|f| -f).collect::<Vec<_>>());
     let left = balance.by_coordinate(&miss);
     let largest = needed.iter().chain(&left).fold(0.0, |a: f64, x| a.max(x.abs()));
+    let mut idle = 0;
     let mut table = Table::new(&["coordinate", "needed", "reached", "missing", "<why"]);
     for (i, coordinate) in layout.coordinates.iter().enumerate() {
         let missing = -left[i];
+        if needed[i].abs().max(missing.abs()) <= NOTHING * largest {
+            idle += 1;
+            continue;
+        }
         let why = match missing.abs() > NOTHING * largest {
             false => String::new(),
             true => {
@@ -162,15 +180,21 @@ pub(super) fn missing(
         ]);
     }
     let mut text = table.text();
+    if idle > 0 {
+        let _ = writeln!(text, "  nothing is needed at {}", crate::command::count(idle, "other"));
+    }
     let motion = report::shape(posture, &balance.motion(&miss));
     let _ = writeln!(text, "\nit gives way along {motion}: no strand below its limit resists that");
-    text.push_str("nearest tensions:");
-    for (k, &s) in pulled.strands.iter().enumerate() {
-        let limit = if hold.at_limit[k] { " (its limit)" } else { "" };
-        let name = &layout.strands[s].name;
-        let comma = if k > 0 { "," } else { "" };
-        let _ = write!(text, "{comma} {name} {:.4} N{limit}", hold.tensions[k]);
-    }
+    let borne = pulled.strands.iter().zip(&hold.tensions).zip(&hold.at_limit);
+    let borne: Vec<String> = borne
+        .filter(|((_, tension), at_limit)| **tension > 1e-9 || **at_limit)
+        .map(|((&s, tension), at_limit)| {
+            let limit = if *at_limit { " (its limit)" } else { "" };
+            format!("{} {} N{limit}", layout.strands[s].name, report::fixed(*tension, 4))
+        })
+        .collect();
+    let borne = if borne.is_empty() { "none".to_string() } else { borne.join(", ") };
+    let _ = write!(text, "nearest tensions: {borne}");
     text.push('\n');
     text
 }

@@ -22,6 +22,8 @@ pub struct PoseOptions {
     pub posture: PostureOptions,
     /// `STRAND=LENGTH`: natural lengths shortened.
     pub pull: Vec<String>,
+    /// `STRAND=FORCE`: tensions instead of the strands' laws.
+    pub tension: Vec<String>,
     /// Frames to tell about, beside those that are loaded.
     pub at: Vec<String>,
     /// Whether to find tensions that hold the pose, instead of the rest.
@@ -47,9 +49,13 @@ fn run(options: &PoseOptions) -> Result<(), u8> {
     let passive: Vec<usize> =
         options.passive.iter().filter_map(|name| reader.strand(name)).collect();
     let pulls = pulls(&mut reader, options);
+    let tensions = tensions(&mut reader, options);
     let pulled = pulled(&mut reader, options, &passive);
     let mut frames: Vec<usize> = options.at.iter().filter_map(|name| reader.frame(name)).collect();
     let mut edited = mechanism.clone();
+    for (strand, tension) in &tensions {
+        edit::commanded(&mut edited, *strand, *tension);
+    }
     if options.hold {
         pulled.strands.iter().for_each(|&s| edit::without_force(&mut edited, s));
     }
@@ -175,6 +181,31 @@ fn pulls(reader: &mut Reader, options: &PoseOptions) -> Vec<(usize, f64)> {
         );
     }
     pulls
+}
+
+/// Tensions that are commanded.
+fn tensions(reader: &mut Reader, options: &PoseOptions) -> Vec<(usize, f64)> {
+    let tensions = reader.strand_values("--tension", &options.tension, Dimension::FORCE);
+    let mut wrong = Vec::new();
+    for (s, tension) in &tensions {
+        let name = &reader.mechanism.strands[*s].name;
+        if *tension < 0.0 {
+            wrong.push(format!("`--tension`: `{name}` cannot push: {tension} N is negative"));
+        }
+        let names = |text: &String| text.split('=').next().is_some_and(|n| n.trim() == name);
+        if options.posture.rest.iter().chain(&options.pull).any(names) {
+            wrong.push(format!("`{name}` is given a tension and a natural length"));
+        }
+    }
+    if options.hold && !options.tension.is_empty() {
+        wrong.push(
+            "`--tension` and `--hold` exclude each other: one gives tensions, the other \
+             finds them"
+                .to_string(),
+        );
+    }
+    wrong.into_iter().for_each(|message| reader.complain(message));
+    tensions
 }
 
 /// Strands that may be pulled, and their limits.

@@ -4,6 +4,7 @@ use super::answer::Answer;
 use crate::command::posture::Posture;
 use handc_core::model::Model as _;
 use handc_runtime::analysis::tangent::Stability;
+use handc_runtime::mechanism::Law;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -54,21 +55,28 @@ impl Table {
     }
 }
 
+/// A number with a fixed count of decimals; zero has no sign.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if is_zero { text.trim_start_matches('-').to_string() } else { text }
+}
+
 /// An angle in degrees or a length in millimetres, with its unit.
 pub(super) fn value(posture: &Posture, coordinate: usize, value: f64) -> String {
     if posture.is_length(coordinate) {
-        format!("{:.3} mm", value * 1e3)
+        format!("{} mm", fixed(value * 1e3, 3))
     } else {
-        format!("{:.3} deg", value.to_degrees())
+        format!("{} deg", fixed(value.to_degrees(), 3))
     }
 }
 
 /// A generalised force with its unit.
 pub(super) fn force(posture: &Posture, coordinate: usize, value: f64) -> String {
     if posture.is_length(coordinate) {
-        format!("{value:.4} N")
+        format!("{} N", fixed(value, 4))
     } else {
-        format!("{:.4} N*mm", value * 1e3)
+        format!("{} N*mm", fixed(value * 1e3, 4))
     }
 }
 
@@ -99,8 +107,11 @@ pub(super) fn strands(posture: &Posture, answer: &Answer) -> String {
         table.row(vec![
             strand.name.clone(),
             format!("{:.3} mm", answer.lengths[s] * 1e3),
-            format!("{:.3} mm", answer.rest[s] * 1e3),
-            format!("{:.4} N", answer.tensions[s]),
+            match posture.model.mechanism().strands[s].law {
+                Law::Tension(_) => "commanded".to_string(),
+                _ => format!("{:.3} mm", answer.rest[s] * 1e3),
+            },
+            format!("{} N", fixed(answer.tensions[s], 4)),
         ]);
     }
     table.text()
@@ -138,7 +149,7 @@ pub(super) fn stiffness(posture: &Posture, answer: &Answer) -> String {
     for (k, direction) in tangent.directions.iter().enumerate() {
         table.row(vec![
             format!("{}", k + 1),
-            format!("{:.4}", direction.stiffness * 1e3),
+            fixed(direction.stiffness * 1e3, 4),
             shape(posture, &direction.shape),
         ]);
     }
@@ -172,19 +183,14 @@ pub(super) fn reach(posture: &Posture, answer: &Answer) -> String {
     }
     for tip in &answer.tips {
         let name = &posture.model.mechanism().frames[tip.frame].name;
-        let [x, y, z] = tip.place.map(|x| x * 1e3 + 0.0);
-        let _ = writeln!(text, "{name} at ({x:.3}, {y:.3}, {z:.3}) mm");
+        let [x, y, z] = tip.place.map(|x| fixed(x * 1e3, 3));
+        let _ = writeln!(text, "{name} at ({x}, {y}, {z}) mm");
         let _ = writeln!(text, "  Jacobian, singular values (mm/rad): {}", list(&tip.reach));
         let directions = tip.compliance.iter().filter(|(c, _)| *c > 1e-9 * tip.compliance[0].0);
-        for (compliance, [x, y, z]) in directions {
-            let _ = writeln!(
-                text,
-                "  gives {:.4} mm/N along ({:.3}, {:.3}, {:.3})",
-                compliance * 1e3,
-                x + 0.0,
-                y + 0.0,
-                z + 0.0
-            );
+        for (compliance, direction) in directions {
+            let [x, y, z] = direction.map(|d| fixed(d, 3));
+            let mm = compliance * 1e3;
+            let _ = writeln!(text, "  gives {mm:.4} mm/N along ({x}, {y}, {z})");
         }
     }
     text

@@ -2,7 +2,7 @@
 
 use super::Load;
 use handc_runtime::expression::{Function, Operation, Program};
-use handc_runtime::mechanism::{Force, Mechanism, Number, Point};
+use handc_runtime::mechanism::{ConstraintKind, Force, Law, Mechanism, Number, Point};
 
 /// A number that depends on nothing.
 pub(crate) fn number(value: f64) -> Number {
@@ -29,5 +29,19 @@ pub(crate) fn load(mechanism: &mut Mechanism, load: &Load) {
 
 /// Lets a strand make no force, so that it is only measured.
 pub(crate) fn without_force(mechanism: &mut Mechanism, strand: usize) {
-    mechanism.strands[strand].stiffness = Number::ZERO;
+    set_law(mechanism, strand, Law::Linear { stiffness: Number::ZERO });
+}
+
+/// Commands the tension of a strand (N).
+pub(crate) fn commanded(mechanism: &mut Mechanism, strand: usize, tension: f64) {
+    set_law(mechanism, strand, Law::Tension(constant(tension)));
+}
+
+fn set_law(mechanism: &mut Mechanism, strand: usize, law: Law) {
+    let prescribed = ConstraintKind::Length(strand as u32);
+    mechanism.constraints.retain(|constraint| constraint.kind != prescribed);
+    let changed = &mut mechanism.strands[strand];
+    changed.law = law;
+    changed.damping = Number::ZERO;
+    changed.slack = None;
 }

@@ -9,12 +9,14 @@ pub(crate) mod value;
 
 use handc_core::error::RunError;
 use handc_core::layout::CoordinateKind;
-use handc_core::model::Model;
+use handc_core::model::{Midpoint, Model};
 use handc_core::simulation::{Settings, Simulation};
 use handc_core::start::project;
 use handc_dsl::dimension::Dimension;
 use handc_dsl::hir;
+use handc_runtime::analysis::equilibrium::equilibrium;
 use handc_runtime::analysis::linear::Held;
+use handc_runtime::expression::StrandQuantity;
 use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanism::{Mechanism, Point};
 use handc_runtime::resolved::Resolved;
@@ -147,22 +149,8 @@ pub(crate) fn settle(
     for (c, value) in reader.coordinate_values("--start", &options.start, |c| limits[c]) {
         posture.q[c] = value;
     }
-    let is_start = options.pose.is_none() && options.start.is_empty();
-    if !is_start && reader.complaints.is_empty() {
-        let asked = posture.q.clone();
-        project(&mut posture.model, &mut posture.q, &posture.driven).map_err(|(row, gap)| {
-            RunError::Start(format!(
-                "the pose cannot be moved onto the constraints: `{row}` is {gap:.3e} away there\n  \
-                 try: a pose nearer to a closed configuration"
-            ))
-        })?;
-        let moved = asked.iter().zip(&posture.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        if moved > 1e-6 {
-            eprintln!(
-                "note: the pose was moved onto the constraints by up to {moved:.3e} (rad or m)"
-            );
-        }
-        posture.leave_rests(options.pose.is_some());
+    if (options.pose.is_some() || !options.start.is_empty()) && reader.complaints.is_empty() {
+        posture.move_to_constraints(options.pose.is_some())?;
     }
     for (strand, value) in reader.strand_values("--rest", &options.rest, Dimension::LENGTH) {
         posture.rest[strand] = value;
@@ -227,6 +215,53 @@ impl Posture {
                 None
             }
         }
+    }
+
+    /// Moves a pose that was asked for onto the constraints, and its massless nodes to where they
+    /// balance.
+    fn move_to_constraints(&mut self, is_named: bool) -> Result<(), RunError> {
+        let asked = self.q.clone();
+        // Prescribed lengths are constraints too.
+        self.leave_rests(is_named);
+        project(&mut self.model, &mut self.q, &self.rest, &self.driven).map_err(|(row, gap)| {
+            RunError::Start(format!(
+                "the pose cannot be moved onto the constraints: `{row}` is {gap:.3e} away there\n  \
+                 try: a pose nearer to a closed configuration"
+            ))
+        })?;
+        let moved = asked.iter().zip(&self.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if moved > 1e-6 {
+            eprintln!(
+                "note: the pose was moved onto the constraints by up to {moved:.3e} (rad or m)"
+            );
+        }
+        self.leave_rests(is_named);
+        self.settle_nodes()
+    }
+
+    /// Moves massless nodes to where they balance, all else as it is.
+    pub(crate) fn settle_nodes(&mut self) -> Result<(), RunError> {
+        let mut driven = vec![true; self.q.len()];
+        let statics = self.model.layout().statics(&self.driven);
+        if statics.is_empty() {
+            return Ok(());
+        }
+        statics.into_iter().for_each(|c| driven[c] = false);
+        let held = Held { t: 0.0, rest: &self.rest, inputs: &self.inputs, driven: &driven };
+        let found = equilibrium(&mut self.model, &self.q, &held)
+            .map_err(|error| RunError::Start(error.to_string()))?;
+        self.q = found.q;
+        Ok(())
+    }
+
+    /// Tensions of all strands at rest in q (N). Those of prescribed strands are multipliers, and
+    /// zero here.
+    pub(crate) fn tensions(&mut self, q: &[f64], rest: &[f64]) -> Vec<f64> {
+        let v = vec![0.0; q.len()];
+        let mut states = vec![[0.0; 4]; rest.len()];
+        let at = Midpoint { q, v: &v, t: 0.0, rest, inputs: &self.inputs };
+        self.model.strand_states(&at, &mut states);
+        states.iter().map(|state| state[StrandQuantity::Tension as usize]).collect()
     }
 
     /// Natural lengths that the model does not give are the lengths at this pose, and those that
