@@ -239,14 +239,6 @@ struct Posture {
     set: Vec<(String, f64)>,
 }
 
-impl Posture {
-    fn options(self, source: Source) -> PostureOptions {
-        let Posture { scenario, pose, start, set } = self;
-        let Source { file, root } = source;
-        PostureOptions { file, root, scenario, pose, start, set, ..PostureOptions::default() }
-    }
-}
-
 /// What is simulated.
 #[derive(Args)]
 struct Choice {
@@ -297,6 +289,14 @@ enum DumpStage {
     Graph,
     /// Generated Rust
     Rust,
+}
+
+impl Posture {
+    fn options(self, source: Source) -> PostureOptions {
+        let Posture { scenario, pose, start, set } = self;
+        let Source { file, root } = source;
+        PostureOptions { file, root, scenario, pose, start, set, ..PostureOptions::default() }
+    }
 }
 
 impl From<Choice> for Settings {

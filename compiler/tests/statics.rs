@@ -58,6 +58,21 @@ model coupled {
 }
 ";
 
+/// A muscle that branches at a node into two slips over two joints, against a spring.
+const BRANCHED: &str = "/// A branching tendon.
+model branched {
+    joint a: revolute(z) in world { start = -0.4; limits = (-1.0, 0.2); stiffness = 0.05 N*m/rad; }
+    mass m in a { mass = 0.03 kg; at = (20, 0, 0) mm; }
+    joint b: revolute(z) in a at (40, 0, 0) mm { start = -0.3; limits = (-1.0, 0.2); stiffness = 0.04 N*m/rad; }
+    mass n in b { mass = 0.02 kg; at = (10, 0, 0) mm; }
+    frame tip in b at (30, 0, 0) mm;
+    node hood at (18, 9, 0) mm in a { on = plane(z); }
+    strand muscle { path = world (-40, 10, 0) mm -> world (-3, 11, 0) mm -> hood; stiffness = 3e3 N/m; rest = 57 mm; }
+    strand slip { path = hood -> a (38, 7, 0) mm -> b (4, 6, 0) mm; stiffness = 8e3 N/m; rest = 25 mm; }
+    strand side { path = hood -> a (14, -3, 0) mm; stiffness = 5e3 N/m; rest = 11 mm; }
+}
+";
+
 /// The cells of a CSV whose first column is a name, by name and column.
 fn cells(text: &str) -> BTreeMap<(String, String), f64> {
     let mut lines = text.lines();
@@ -173,7 +188,11 @@ fn there_and_back() {
     let here = folder("back");
     here.write("two.hdl", FINGER);
     here.write("coupled.hdl", COUPLED);
-    let cases: [(&str, &[&str], &[&str]); 2] = [
+    // The same with a toe region and slack, whose natural lengths have no closed form.
+    let toe = "energy = 4e4 N/m * (x - x0)^2 / 2 + 3e6 N/m^2 * (x - x0)^3 / 3; slack = true; slack_width = 0.2 mm";
+    here.write("toe.hdl", &FINGER.replace("stiffness = 4e4 N/m", toe));
+    let cases: [(&str, &[&str], &[&str]); 3] = [
+        ("toe.hdl", &["a", "b"], &["--load", "tip=0.5,1.5,0", "--start", "a=-40deg"]),
         ("two.hdl", &["a", "b"], &["--load", "tip=0.5,1.5,0", "--start", "a=-40deg"]),
         (
             "coupled.hdl",
@@ -186,8 +205,8 @@ fn there_and_back() {
         assert!(out.contains("stable: it comes back"), "{out}");
         let strands = cells(&here.read("h.strands.csv"));
         let names: Vec<&str> = match file {
-            "two.hdl" => vec!["deep", "shallow", "back", "far"],
-            _ => vec!["flexor", "short", "extensor"],
+            "coupled.hdl" => vec!["flexor", "short", "extensor"],
+            _ => vec!["deep", "shallow", "back", "far"],
         };
         let rests: Vec<String> = names
             .iter()
@@ -215,6 +234,94 @@ fn there_and_back() {
             let (a, b) = (cell(&strands, name, "tension"), cell(&again, name, "tension"));
             assert!((a - b).abs() < 1e-8 && a > -1e-12, "{name}: {a} {b}");
         }
+    }
+}
+
+#[test]
+fn commanded_tensions_bring_a_spring_to_its_closed_form() {
+    let here = folder("commanded");
+    let sprung = LEVER
+        .replace("start = 20 deg;", "start = 20 deg; stiffness = 3 N*m/rad; rest = 0.2;")
+        .replace(
+            "stiffness = k;",
+            "stiffness = k; damping = 3 N*s/m; slack = true; slack_width = 1 mm;",
+        );
+    here.write("lever.hdl", &sprung);
+    let pose =
+        ["pose", "lever.hdl", "--tension", "tendon=12N", "--load", "end=0,0,2", "--out", "c"];
+    let said = done(&here, &pose);
+    assert!(said.contains("commanded") && said.contains("12.0000 N"), "{said}");
+    let found = cell(&cells(&here.read("c.coordinates.csv")), "q", "value");
+    let force = |q: f64| (0.4 * 9.81 - 2.0) * 0.25 * q.cos() - 3.0 * (q - 0.2) - 12.0 * lever(q).1;
+    let (mut low, mut high) = (-1.0, 1.5);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if force(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    assert!((found - low).abs() < 1e-13, "{found} {low}");
+    let wrong: [(&[&str], &str); 4] = [
+        (&["--tension", "tendon=-1"], "cannot push"),
+        (&["--tension", "tendon=1", "--rest", "tendon=0.1"], "a tension and a natural length"),
+        (&["--tension", "tendon=1", "--hold"], "exclude each other"),
+        (&["--tension", "tendom=1"], "did you mean `tendon`?"),
+    ];
+    for (more, part) in wrong {
+        let said = handc(&here, &[&["pose", "lever.hdl"], more].concat());
+        assert!(said.code == 2 && said.err.contains(part), "{more:?}: {}", said.err);
+    }
+}
+
+#[test]
+fn prescribed_lengths_are_held_by_their_multipliers() {
+    let here = folder("prescribed");
+    here.write("lever.hdl", &LEVER.replace("stiffness = k;", "drive = true;"));
+    let said = done(&here, &["pose", "lever.hdl", "--pose", "low", "--out", "p"]);
+    assert!(said.contains("nothing can move"), "{said}");
+    let q = 50f64.to_radians();
+    let tension = 0.4 * 9.81 * 0.25 * q.cos() / lever(q).1;
+    let found = cell(&cells(&here.read("p.strands.csv")), "tendon", "tension");
+    assert!((found - tension).abs() < 1e-12, "{found} {tension}");
+    // What holds it is the same tension, and the joint can still be swept.
+    done(&here, &["pose", "lever.hdl", "--pose", "low", "--hold", "--out", "h"]);
+    let strands = cells(&here.read("h.strands.csv"));
+    assert!((cell(&strands, "tendon", "tension") - tension).abs() < 1e-12);
+    let said = handc(&here, &["atlas", "lever.hdl", "--points", "5", "--out", "a"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(said.err.contains("measured only"), "{}", said.err);
+    for [q, length, arm, _] in &atlas(&here.read("a.csv"))[&("q".to_string(), "tendon".to_string())]
+    {
+        let expected = lever(*q);
+        assert!((length - expected.0).abs() < 1e-15 && (arm - expected.1).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn a_branch_balances_at_its_node() {
+    let here = folder("branch");
+    here.write("branched.hdl", BRANCHED);
+    done(
+        &here,
+        &["pose", "branched.hdl", "--load", "tip=0,-0.3,0", "--pull", "muscle=1mm", "--out", "b"],
+    );
+    let (strands, q) = (cells(&here.read("b.strands.csv")), cells(&here.read("b.coordinates.csv")));
+    // Virtual work over every coordinate, the node's among them: tensions, springs and the load.
+    let (a, b) = (cell(&q, "a", "value"), cell(&q, "b", "value"));
+    let tip = [0.04 * a.cos() + 0.03 * (a + b).cos(), 0.03 * (a + b).cos()];
+    for (coordinate, stiffness, value, arm) in [
+        ("a", 0.05, a, tip[0]),
+        ("b", 0.04, b, tip[1]),
+        ("hood.x", 0.0, 0.0, 0.0),
+        ("hood.y", 0.0, 0.0, 0.0),
+    ] {
+        let pulled: f64 = ["muscle", "slip", "side"]
+            .iter()
+            .map(|s| {
+                cell(&strands, s, "tension")
+                    * cell(&strands, s, &format!("moment_arm.{coordinate}"))
+            })
+            .sum();
+        let left = pulled + stiffness * value + 0.3 * arm;
+        assert!(left.abs() < 1e-12, "{coordinate}: {left:.1e}");
     }
 }
 
@@ -379,8 +486,9 @@ fn moment_arms_are_the_slopes_of_lengths() {
         assert!((length - expected.0).abs() < 1e-15 && (arm - expected.1).abs() < 1e-15);
         assert!((tension - 5e4 * (length - 0.1)).abs() < 1e-9);
     }
-    // Coupled joints move along: the slope along the sweep.
-    for (file, sweeps) in [("two.hdl", 6), ("coupled.hdl", 5)] {
+    // Coupled joints and nodes move along: the slope along the sweep.
+    here.write("branched.hdl", BRANCHED);
+    for (file, sweeps) in [("two.hdl", 6), ("coupled.hdl", 5), ("branched.hdl", 6)] {
         done(&here, &["atlas", file, "--points", "2001", "--out", "x"]);
         let found = atlas(&here.read("x.csv"));
         assert_eq!(found.len(), sweeps, "{:?}", found.keys());
@@ -568,4 +676,46 @@ fn what_runs_away_is_told() {
         "{}",
         said.err
     );
+}
+
+/// The commands of the guide's page run, and its pictures and outputs are what they make.
+#[test]
+fn the_guide_shows_what_is_made() {
+    let here = folder("guide");
+    let repository = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let page = repository.join("docs/guide/src/statics.md");
+    let text = std::fs::read_to_string(&page).expect("the page");
+    let models = format!("{}/models/", repository.display());
+    let (mut outputs, mut fence, mut ran) = (String::new(), "", 0);
+    for line in text.lines() {
+        if let Some(info) = line.strip_prefix("```") {
+            fence = info;
+        } else if fence == "sh" {
+            let words: Vec<String> =
+                line.split(' ').skip(1).map(|word| word.replace("models/", &models)).collect();
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            let said = handc(&here, &words);
+            assert!(matches!(said.code, 0 | 3), "{line}: {}{}", said.out, said.err);
+            outputs.push_str(&said.out);
+            ran += 1;
+        }
+    }
+    assert!(ran >= 10, "{ran}");
+    for block in text.split("```text\n").skip(1) {
+        let shown = block.split("```").next().unwrap_or_default();
+        assert!(outputs.contains(shown), "nothing prints this:\n{shown}");
+    }
+    let mut pictures = 0;
+    for name in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        if name.ends_with(".svg") {
+            let (made, path) = (here.read(name), page.with_file_name(name));
+            if std::env::var_os("HANDC_UPDATE").is_some() {
+                std::fs::write(&path, &made).expect("the picture is written");
+            }
+            let kept = std::fs::read_to_string(&path).unwrap_or_default();
+            assert!(made == kept, "{name} differs; HANDC_UPDATE=1 rewrites it");
+            pictures += 1;
+        }
+    }
+    assert_eq!(pictures, 4);
 }

@@ -162,11 +162,15 @@ fn solver(
     let (mut i, mut j, mut v) = (Vec::new(), Vec::new(), Vec::new());
     for (r, (row, _)) in rows.iter().enumerate() {
         for (c, a) in row.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-            (i.push(r), j.push(c), v.push(*a));
+            i.push(r);
+            j.push(c);
+            v.push(*a);
         }
     }
     for (r, (c, sign, _)) in bounds.iter().enumerate() {
-        (i.push(rows.len() + r), j.push(*c), v.push(*sign));
+        i.push(rows.len() + r);
+        j.push(*c);
+        v.push(*sign);
     }
     let matrix = CscMatrix::new_from_triplets(height, count, i, j, v);
     let on: Vec<usize> = (0..count).collect();

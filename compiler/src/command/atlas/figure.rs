@@ -17,15 +17,15 @@ pub(super) fn figures(
     posture: &Posture,
     lengths: &[f64],
     title: &str,
-    sweeps: &[(Sweep, Vec<usize>)],
+    sweeps: &[Sweep],
 ) -> Vec<Figure> {
     let part = |sweep: &Sweep| {
         let name = mechanism.coordinates[sweep.coordinates[0]].name.as_str();
         name.rsplit_once('.').map_or("", |(part, _)| part).to_string()
     };
-    let mut parts: Vec<(String, Vec<&(Sweep, Vec<usize>)>)> = Vec::new();
+    let mut parts: Vec<(String, Vec<&Sweep>)> = Vec::new();
     for sweep in sweeps {
-        let name = if sweeps.len() > FEW { part(&sweep.0) } else { String::new() };
+        let name = if sweeps.len() > FEW { part(sweep) } else { String::new() };
         match parts.iter_mut().find(|(other, _)| *other == name) {
             Some((_, members)) => members.push(sweep),
             None => parts.push((name, vec![sweep])),
@@ -54,13 +54,13 @@ fn plot(
     lengths: &[f64],
     title: String,
     prefix: &str,
-    sweeps: &[&(Sweep, Vec<usize>)],
+    sweeps: &[&Sweep],
 ) -> SweepPlot {
-    let mut shown: Vec<usize> = sweeps.iter().flat_map(|(_, strands)| strands).copied().collect();
+    let mut shown: Vec<usize> = sweeps.iter().flat_map(|sweep| &sweep.strands).copied().collect();
     shown.sort_unstable();
     shown.dedup();
     let short = |name: &str| name.strip_prefix(prefix).unwrap_or(name).to_string();
-    let columns = sweeps.iter().map(|(sweep, _)| {
+    let columns = sweeps.iter().map(|sweep| {
         let c = sweep.coordinates[0];
         let unit = if posture.is_length(c) { Unit::Prefixed("m") } else { Unit::Angle };
         Column {
@@ -75,13 +75,13 @@ fn plot(
             let found = sweep.instants.iter().map(|(_, instant)| instant.as_ref());
             found.map(|instant| instant.map_or(f64::NAN, |i| value(i, strand))).collect()
         };
-        let cells = sweeps.iter().map(|(sweep, strands)| {
+        let cells = sweeps.iter().map(|sweep| {
             let place = |s: usize| shown.iter().position(|&other| other == s).unwrap_or(0);
-            strands.iter().map(|&s| (place(s), curve(sweep, s))).collect()
+            sweep.strands.iter().map(|&s| (place(s), curve(sweep, s))).collect()
         });
         SweepRow { label: label.to_string(), unit, cells: cells.collect() }
     };
-    let turns = sweeps.iter().any(|(sweep, _)| !posture.is_length(sweep.coordinates[0]));
+    let turns = sweeps.iter().any(|sweep| !posture.is_length(sweep.coordinates[0]));
     let arm = if turns { Unit::Prefixed("m") } else { Unit::Plain(String::new()) };
     SweepPlot {
         title,

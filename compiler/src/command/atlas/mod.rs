@@ -72,20 +72,17 @@ fn run(options: &AtlasOptions) -> Result<(), u8> {
     match ranges.as_slice() {
         [first, second] if options.grid.is_some() => {
             let values = [first, second].map(|(_, range)| sweep::values(*range, options.points));
-            let sweep = sweep::grid(&mut posture, [first.0, second.0], [&values[0], &values[1]]);
-            let strands = moved(&sweep, &chosen);
-            write(&with_suffix(&stem, ".csv"), &table::grid(&mechanism, &sweep, &strands))?;
+            let joints = [first.0, second.0];
+            let sweep = sweep::grid(&mut posture, joints, [&values[0], &values[1]], &chosen);
             tell(&mechanism, &sweep);
-            Ok(())
+            write(&with_suffix(&stem, ".csv"), &table::grid(&mechanism, &sweep))
         }
         _ => {
-            let sweeps: Vec<(Sweep, Vec<usize>)> = ranges
+            let sweeps: Vec<Sweep> = ranges
                 .iter()
                 .map(|(c, range)| {
                     let values = sweep::values(*range, options.points);
-                    let sweep = sweep::line(&mut posture, *c, &values);
-                    let strands = moved(&sweep, &chosen);
-                    (sweep, strands)
+                    sweep::line(&mut posture, *c, &values, &chosen)
                 })
                 .collect();
             lines(&mechanism, &mut posture, options, &stem, &sweeps)
@@ -99,10 +96,10 @@ fn lines(
     posture: &mut Posture,
     options: &AtlasOptions,
     stem: &Path,
-    sweeps: &[(Sweep, Vec<usize>)],
+    sweeps: &[Sweep],
 ) -> Result<(), u8> {
-    sweeps.iter().for_each(|(sweep, _)| tell(mechanism, sweep));
-    for (sweep, _) in sweeps.iter().filter(|(_, strands)| strands.is_empty()) {
+    sweeps.iter().for_each(|sweep| tell(mechanism, sweep));
+    for sweep in sweeps.iter().filter(|sweep| sweep.strands.is_empty()) {
         let joint = &mechanism.coordinates[sweep.coordinates[0]].name;
         eprintln!("note: no strand changes its length with `{joint}`");
     }
@@ -114,8 +111,8 @@ fn lines(
         (Some(pose), _) => format!("{}, pose {pose}: strands over each joint", mechanism.name),
         _ => format!("{}: strands over each joint", mechanism.name),
     };
-    let drawn: Vec<(Sweep, Vec<usize>)> =
-        sweeps.iter().filter(|(_, strands)| !strands.is_empty()).cloned().collect();
+    let drawn: Vec<Sweep> =
+        sweeps.iter().filter(|sweep| !sweep.strands.is_empty()).cloned().collect();
     if drawn.is_empty() {
         return Ok(());
     }
@@ -208,17 +205,6 @@ fn parse_range(reader: &mut Reader, c: usize, text: &str, range: &str) -> Option
         "`--joint {text}`: the range is reversed or empty; write the lower end first"
     ));
     None
-}
-
-/// The strands that a sweep moves, among the chosen ones if any are.
-fn moved(sweep: &Sweep, chosen: &[usize]) -> Vec<usize> {
-    let count = sweep.instants.iter().flat_map(|(_, i)| i).next().map_or(0, |i| i.lengths.len());
-    let moves = |s: usize| {
-        let instants = sweep.instants.iter().flat_map(|(_, instant)| instant);
-        instants.flat_map(|instant| &instant.arms).any(|arms| arms[s].abs() > 1e-12)
-    };
-    let all: Vec<usize> = (0..count).filter(|&s| moves(s)).collect();
-    if chosen.is_empty() { all } else { all.into_iter().filter(|s| chosen.contains(s)).collect() }
 }
 
 /// Says where the constraints do not close.

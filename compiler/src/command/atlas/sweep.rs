@@ -30,7 +30,29 @@ pub(super) struct Sweep {
     pub(super) coordinates: Vec<usize>,
     /// A value of each, and what is there.
     pub(super) instants: Vec<(Vec<f64>, Option<Instant>)>,
+    /// The strands that are shown, by index.
+    pub(super) strands: Vec<usize>,
 }
+
+impl Sweep {
+    fn new(
+        coordinates: Vec<usize>,
+        instants: Vec<(Vec<f64>, Option<Instant>)>,
+        chosen: &[usize],
+    ) -> Sweep {
+        let found = || instants.iter().flat_map(|(_, instant)| instant);
+        let count = found().next().map_or(0, |instant| instant.lengths.len());
+        let moves = |s: &usize| {
+            found().flat_map(|instant| &instant.arms).any(|arms| arms[*s].abs() > STILL)
+        };
+        let is_chosen = |s: &usize| chosen.is_empty() || chosen.contains(s);
+        let strands = (0..count).filter(|s| moves(s) && is_chosen(s)).collect();
+        Sweep { coordinates, instants, strands }
+    }
+}
+
+/// An arm below this is none (m/rad or 1).
+const STILL: f64 = 1e-12;
 
 /// `points` values over a range, ends included.
 pub(super) fn values([low, high]: [f64; 2], points: usize) -> Vec<f64> {
@@ -38,8 +60,13 @@ pub(super) fn values([low, high]: [f64; 2], points: usize) -> Vec<f64> {
     (0..points).map(|k| low + (high - low) * share(k)).collect()
 }
 
-/// Sweeps one coordinate.
-pub(super) fn line(posture: &mut Posture, coordinate: usize, values: &[f64]) -> Sweep {
+/// Sweeps one coordinate and shows the strands that it moves, among the chosen ones if there are any.
+pub(super) fn line(
+    posture: &mut Posture,
+    coordinate: usize,
+    values: &[f64],
+    chosen: &[usize],
+) -> Sweep {
     let mut walker = Walker::new(posture, vec![coordinate]);
     let start = walker.posture.q.clone();
     // From the value nearest to the pose outwards, each from its neighbour.
@@ -54,11 +81,16 @@ pub(super) fn line(posture: &mut Posture, coordinate: usize, values: &[f64]) -> 
         found[i] = walker.visit(&mut q, &[values[i]]);
     }
     let instants = values.iter().map(|value| vec![*value]).zip(found).collect();
-    Sweep { coordinates: vec![coordinate], instants }
+    Sweep::new(vec![coordinate], instants, chosen)
 }
 
 /// Sweeps two coordinates: for each value of the first all values of the second.
-pub(super) fn grid(posture: &mut Posture, coordinates: [usize; 2], values: [&[f64]; 2]) -> Sweep {
+pub(super) fn grid(
+    posture: &mut Posture,
+    coordinates: [usize; 2],
+    values: [&[f64]; 2],
+    chosen: &[usize],
+) -> Sweep {
     let [first, second] = values;
     let mut walker = Walker::new(posture, coordinates.to_vec());
     let start = walker.posture.q.clone();
@@ -81,7 +113,7 @@ pub(super) fn grid(posture: &mut Posture, coordinates: [usize; 2], values: [&[f6
         }
     }
     let places = first.iter().flat_map(|a| second.iter().map(|b| vec![*a, *b]));
-    Sweep { coordinates: coordinates.to_vec(), instants: places.zip(found).collect() }
+    Sweep::new(coordinates.to_vec(), places.zip(found).collect(), chosen)
 }
 
 fn nearest(values: &[f64], wanted: f64) -> usize {

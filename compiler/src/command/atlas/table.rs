@@ -5,11 +5,11 @@ use handc_core::trajectory::push_number;
 use handc_runtime::mechanism::Mechanism;
 
 /// `joint,value,strand,length,moment_arm,tension`, sweep after sweep.
-pub(super) fn lines(mechanism: &Mechanism, sweeps: &[(Sweep, Vec<usize>)]) -> String {
+pub(super) fn lines(mechanism: &Mechanism, sweeps: &[Sweep]) -> String {
     let mut text = String::from("joint,value,strand,length,moment_arm,tension\n");
-    for (sweep, strands) in sweeps {
+    for sweep in sweeps {
         let joint = &mechanism.coordinates[sweep.coordinates[0]].name;
-        for &strand in strands {
+        for &strand in &sweep.strands {
             for (values, instant) in &sweep.instants {
                 let Some(instant) = instant else { continue };
                 text.push_str(joint);
@@ -27,11 +27,11 @@ pub(super) fn lines(mechanism: &Mechanism, sweeps: &[(Sweep, Vec<usize>)]) -> St
 }
 
 /// `J1,J2,strand,length,moment_arm.J1,moment_arm.J2,tension`.
-pub(super) fn grid(mechanism: &Mechanism, sweep: &Sweep, strands: &[usize]) -> String {
+pub(super) fn grid(mechanism: &Mechanism, sweep: &Sweep) -> String {
     let names = sweep.coordinates.iter().map(|&c| mechanism.coordinates[c].name.as_str());
     let [a, b] = [0, 1].map(|k| names.clone().nth(k).unwrap_or_default());
     let mut text = format!("{a},{b},strand,length,moment_arm.{a},moment_arm.{b},tension\n");
-    for &strand in strands {
+    for &strand in &sweep.strands {
         for (values, instant) in &sweep.instants {
             let Some(instant) = instant else { continue };
             push_number(&mut text, values[0]);
