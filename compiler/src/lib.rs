@@ -8,3 +8,4 @@ pub mod lint;
 pub mod lower;
 pub mod mjcf;
 pub mod stage;
+pub mod statics;

@@ -17,15 +17,15 @@ pub(crate) const MARGIN: f64 = 8.0;
 /// Height of the title's line.
 pub(crate) const TITLE: f64 = 20.0;
 /// Vertical axis with ticks and label.
-const LEFT: f64 = 43.0;
+pub(crate) const LEFT: f64 = 43.0;
 /// Between panels that share an axis.
-const BETWEEN: f64 = 11.0;
+pub(crate) const BETWEEN: f64 = 11.0;
 /// Heading of a panel.
 const HEADING: f64 = 12.0;
 /// Labels of the time axis.
-const TIME: f64 = 24.0;
+pub(crate) const TIME: f64 = 24.0;
 /// Between rows.
-const GAP: f64 = 9.0;
+pub(crate) const GAP: f64 = 9.0;
 /// Size of ticks' labels.
 const SMALL: f64 = 6.8;
 /// Size of axes' labels.
@@ -36,11 +36,11 @@ const GRID: Stroke = Stroke::solid(LIGHT, 0.5);
 
 /// A panel's place on paper.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
+pub(crate) struct Frame {
+    pub(crate) left: f64,
+    pub(crate) right: f64,
+    pub(crate) top: f64,
+    pub(crate) bottom: f64,
 }
 
 /// A row's heights.
@@ -142,23 +142,15 @@ impl Sheet<'_> {
         let x = |t: f64| frame.left + time.fraction(t) * (frame.right - frame.left);
         let y = |v: f64| frame.bottom - panel.axis.fraction(v) * (frame.bottom - frame.top);
         vertical(canvas, panel, frame, labelled);
-        self.horizontal(canvas, &time, frame, timed);
+        horizontal(canvas, &time, timed.then_some(self.time_label.as_str()), frame);
         let mut ends = Vec::new();
         for line in &panel.lines {
-            let stroke = palette::stroke(line.style);
             let count = line.values.len().min(self.time.len());
             let place = |i: usize| {
                 let t = self.time[i] * self.time_scale.factor;
                 [x(t), y(line.values[i] * panel.scale.factor)]
             };
-            let (dots, lines): (Vec<_>, Vec<_>) =
-                decimate::lines(count, frame.right - frame.left, place)
-                    .into_iter()
-                    .partition(|points| points.len() == 1);
-            canvas.lines(&lines, &stroke);
-            for dot in dots.iter().flatten() {
-                canvas.disc(*dot, 1.3, stroke.color, None);
-            }
+            curve(canvas, line.style, count, frame.right - frame.left, place);
             let last = (0..count).rev().map(place).find(|p| drawable(p[1]));
             ends.push(last.map_or(0.5 * (frame.top + frame.bottom), |p| p[1]));
         }
@@ -179,26 +171,45 @@ impl Sheet<'_> {
         };
         Axis::new(low, high, (width / 34.0).clamp(2.0, 12.0) as usize, false)
     }
+}
 
-    fn horizontal(&self, canvas: &mut dyn Canvas, time: &Axis, frame: &Frame, labelled: bool) {
-        canvas.line(&[[frame.left, frame.bottom], [frame.right, frame.bottom]], &AXIS);
-        for (value, label) in &time.ticks {
-            let x = frame.left + time.fraction(*value) * (frame.right - frame.left);
-            canvas.line(&[[x, frame.bottom], [x, frame.bottom + 2.5]], &AXIS);
-            if labelled {
-                let style = TextStyle::new(SMALL).anchor(Anchor::Middle);
-                canvas.text([x, frame.bottom + 9.5], label, &style);
-            }
-        }
-        if labelled {
-            let style = TextStyle::new(NORMAL).anchor(Anchor::Middle);
-            let middle = 0.5 * (frame.left + frame.right);
-            canvas.text([middle, frame.bottom + 18.5], &self.time_label, &style);
-        }
+/// A curve through samples that `place` puts on paper.
+pub(crate) fn curve(
+    canvas: &mut dyn Canvas,
+    style: usize,
+    count: usize,
+    width: f64,
+    place: impl Fn(usize) -> Place,
+) {
+    let stroke = palette::stroke(style);
+    let (dots, lines): (Vec<_>, Vec<_>) =
+        decimate::lines(count, width, place).into_iter().partition(|points| points.len() == 1);
+    canvas.lines(&lines, &stroke);
+    for dot in dots.iter().flatten() {
+        canvas.disc(*dot, 1.3, stroke.color, None);
     }
 }
 
-fn vertical(canvas: &mut dyn Canvas, panel: &Panel, frame: &Frame, labelled: bool) {
+/// A horizontal axis; without a label it has no numbers either.
+pub(crate) fn horizontal(canvas: &mut dyn Canvas, axis: &Axis, label: Option<&str>, frame: &Frame) {
+    canvas.line(&[[frame.left, frame.bottom], [frame.right, frame.bottom]], &AXIS);
+    for (value, text) in &axis.ticks {
+        let x = frame.left + axis.fraction(*value) * (frame.right - frame.left);
+        canvas.line(&[[x, frame.bottom], [x, frame.bottom + 2.5]], &AXIS);
+        if label.is_some() {
+            let style = TextStyle::new(SMALL).anchor(Anchor::Middle);
+            canvas.text([x, frame.bottom + 9.5], text, &style);
+        }
+    }
+    if let Some(label) = label {
+        let style = TextStyle::new(NORMAL).anchor(Anchor::Middle);
+        let middle = 0.5 * (frame.left + frame.right);
+        canvas.text([middle, frame.bottom + 18.5], label, &style);
+    }
+}
+
+/// A vertical axis with its grid and label.
+pub(crate) fn vertical(canvas: &mut dyn Canvas, panel: &Panel, frame: &Frame, labelled: bool) {
     let axis = &panel.axis;
     for (value, label) in &axis.ticks {
         let y = frame.bottom - axis.fraction(*value) * (frame.bottom - frame.top);

@@ -186,9 +186,13 @@ fn lone_panel<'a>(quantity: &'a Quantity) -> Panel<'a> {
 }
 
 fn axis(quantity: &Quantity) -> (Scale, Axis) {
-    let range = extent(quantity.curves.iter().flat_map(|c| &c.values));
+    axis_over(extent(quantity.curves.iter().flat_map(|c| &c.values)), &quantity.unit)
+}
+
+/// The scale and the vertical axis for numbers of a range.
+pub(crate) fn axis_over(range: Option<(f64, f64)>, unit: &Unit) -> (Scale, Axis) {
     let size = range.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
-    let scale = quantity.unit.scale(size);
+    let scale = unit.scale(size);
     let scaled = range.map(|(low, high)| (low * scale.factor, high * scale.factor));
     let degrees = Unit::degrees(&scale);
     let (mut low, mut high) = padded(scaled, if degrees { LEAST_ANGLE } else { 0.0 });
@@ -203,11 +207,12 @@ fn axis(quantity: &Quantity) -> (Scale, Axis) {
 }
 
 fn label(quantity: &Quantity, scale: &Scale) -> String {
-    if scale.unit.is_empty() {
-        quantity.label.clone()
-    } else {
-        format!("{} ({})", quantity.label, scale.unit)
-    }
+    with_unit(&quantity.label, scale)
+}
+
+/// A label with the unit of its scale in brackets.
+pub(crate) fn with_unit(label: &str, scale: &Scale) -> String {
+    if scale.unit.is_empty() { label.to_string() } else { format!("{label} ({})", scale.unit) }
 }
 
 #[cfg(test)]

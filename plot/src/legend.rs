@@ -10,9 +10,9 @@ pub(crate) const SIZE: f64 = 6.8;
 /// Height of a line of names (pt).
 pub(crate) const LEADING: f64 = 8.6;
 /// Length of a sample of the line (pt).
-const SAMPLE: f64 = 9.0;
+pub(crate) const SAMPLE: f64 = 9.0;
 /// From the sample to the name (pt).
-const GAP: f64 = 2.0;
+pub(crate) const GAP: f64 = 2.0;
 /// From a panel to the names beside it (pt).
 const AWAY: f64 = 9.0;
 /// Widest name beside a panel (pt).
@@ -42,10 +42,21 @@ pub(crate) fn beside(
 }
 
 /// A sample of the line and its name.
-fn entry(canvas: &mut dyn Canvas, line: &Line, [x, y]: Place, room: f64) {
-    canvas.line(&[[x, y], [x + SAMPLE, y]], &palette::stroke(line.style));
+pub(crate) fn entry(canvas: &mut dyn Canvas, line: &Line, [x, y]: Place, room: f64) {
+    sample(canvas, &palette::stroke(line.style), &line.label, [x, y], room);
+}
+
+/// A sample of any line and its name.
+pub(crate) fn sample(
+    canvas: &mut dyn Canvas,
+    stroke: &Stroke,
+    name: &str,
+    [x, y]: Place,
+    room: f64,
+) {
+    canvas.line(&[[x, y], [x + SAMPLE, y]], stroke);
     let at = [x + SAMPLE + GAP, y + 0.5 * font::CAP * SIZE];
-    canvas.text(at, &font::fit(&line.label, SIZE, false, room), &TextStyle::new(SIZE).color(GREY));
+    canvas.text(at, &font::fit(name, SIZE, false, room), &TextStyle::new(SIZE).color(GREY));
 }
 
 /// Heights as near to the wanted ones as can be without two lines of text meeting.
@@ -99,10 +110,19 @@ pub(crate) fn strip(panel: &Panel, width: f64) -> (Vec<(f64, usize)>, usize) {
 }
 
 fn strip_within(panel: &Panel, width: f64) -> (Vec<(f64, usize)>, usize) {
+    flow(panel.lines.iter().map(|line| line.label.as_str()), width)
+}
+
+/// Places of names one after another in lines of a width: x and line of each, and the number of
+/// lines.
+pub(crate) fn flow<'a>(
+    names: impl Iterator<Item = &'a str>,
+    width: f64,
+) -> (Vec<(f64, usize)>, usize) {
     let (mut x, mut row) = (0.0, 0);
     let mut places = Vec::new();
-    for line in &panel.lines {
-        let needed = SAMPLE + GAP + font::width(&line.label, SIZE, false);
+    for name in names {
+        let needed = SAMPLE + GAP + font::width(name, SIZE, false);
         if x > 0.0 && x + needed > width {
             (x, row) = (0.0, row + 1);
         }

@@ -70,6 +70,8 @@ pub(crate) const BONE: f64 = 0.42;
 pub struct Pose {
     /// Time (s).
     pub time: f64,
+    /// Text below instead of the time.
+    pub caption: Option<String>,
     /// Bodies.
     pub solids: Vec<Solid>,
     /// Lines from joint to joint.
@@ -80,6 +82,8 @@ pub struct Pose {
     pub anchors: Vec<Spot>,
     /// Path of each strand.
     pub strands: Vec<Vec<Spot>>,
+    /// Forces: where each acts, and its components (N).
+    pub forces: Vec<(Spot, Spot)>,
 }
 
 impl Pose {

@@ -8,6 +8,9 @@ use crate::view::dot;
 const FILL: Color = [214, 214, 214];
 const EDGE: Stroke = Stroke::solid([150, 150, 150], 0.5);
 const BALL: Color = [240, 236, 226];
+const FORCE: Color = [180, 20, 30];
+/// Length of an arrow's head.
+const HEAD: f64 = 6.0;
 const BAR: Stroke = Stroke::solid([170, 170, 170], 2.2);
 
 /// Draws a pose. `place` takes space to paper, with `scale` points per metre, and `near` points to
@@ -48,6 +51,22 @@ pub(crate) fn draw_pose(
             None,
         );
     }
+}
+
+/// Draws a force as an arrow.
+pub(crate) fn draw_force(canvas: &mut dyn Canvas, from: Place, to: Place) {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let length = dx.hypot(dy);
+    if !(length > 1e-6 && length < 1e30) {
+        return;
+    }
+    let (ux, uy) = (dx / length, dy / length);
+    let head = HEAD.min(length);
+    let neck = [to[0] - head * ux, to[1] - head * uy];
+    canvas.line(&[from, neck], &Stroke::solid(FORCE, 1.4));
+    let side = 0.42 * head;
+    let barbs = [1.0, -1.0].map(|sign| [neck[0] - sign * side * uy, neck[1] + sign * side * ux]);
+    canvas.polygon(&[to, barbs[0], barbs[1]], FORCE, None);
 }
 
 fn draw_solid(canvas: &mut dyn Canvas, solid: &Solid, place: &impl Fn(Spot) -> Place, scale: f64) {

@@ -5,10 +5,10 @@ use crate::chart::{MARGIN, TITLE, WIDTH, title};
 use crate::font;
 use crate::palette;
 use crate::pose::{Pose, PoseFigure, Spot, instant};
-use crate::pose_body::draw_pose;
+use crate::pose_body::{draw_force, draw_pose};
 use crate::save::Picture;
 use crate::unit::Unit;
-use crate::view::View;
+use crate::view::{View, dot};
 
 /// Greatest height of all poses together (pt).
 const HEIGHT: f64 = 350.0;
@@ -41,23 +41,33 @@ struct Layout {
     names: Vec<(String, Color)>,
     /// Lines that the names take.
     lines: usize,
+    /// Metres on paper per newton of a force.
+    force_scale: f64,
 }
 
 impl Layout {
     fn new(figure: &PoseFigure) -> Layout {
         let view = View::choose(figure);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for (spot, radius) in figure.poses.iter().flat_map(Pose::spots) {
+        let mut include = |spot: Spot, radius: f64| {
             let place = view.project(spot);
             for k in 0..2 {
                 low[k] = low[k].min(place[k] - radius);
                 high[k] = high[k].max(place[k] + radius);
             }
+            (high[0] - low[0]).max(high[1] - low[1])
+        };
+        let mut largest = f64::NEG_INFINITY;
+        for (spot, radius) in figure.poses.iter().flat_map(Pose::spots) {
+            largest = include(spot, radius);
+        }
+        let force_scale = force_scale(figure, largest);
+        for (from, force) in figure.poses.iter().flat_map(|pose| &pose.forces) {
+            largest = include([0, 1, 2].map(|i| from[i] + force_scale * force[i]), 0.0);
         }
         if low[0] > high[0] {
             (low, high) = ([0.0; 2], [0.0; 2]);
         }
-        let largest = (high[0] - low[0]).max(high[1] - low[1]);
         // A lone point is shown with some space around it.
         let largest = if largest > 1e-9 { largest } else { 0.1 };
         // A line is given some room, and so is the width of strokes.
@@ -91,6 +101,7 @@ impl Layout {
             colors,
             names,
             lines: 0,
+            force_scale,
         };
         layout.lines = layout.places().last().map_or(0, |(_, line)| line + 1);
         layout
@@ -149,12 +160,27 @@ impl Picture for PoseFigure {
             let origin = layout.origin(k);
             let place = |spot: Spot| layout.place(origin, spot);
             draw_pose(canvas, pose, &place, layout.scale, layout.view.near, &layout.colors);
+            for (from, force) in &pose.forces {
+                let to = [0, 1, 2].map(|i| from[i] + layout.force_scale * force[i]);
+                draw_force(canvas, place(*from), place(to));
+            }
             let at = [origin[0] + 0.5 * layout.cell[0], origin[1] + layout.cell[1] + 9.0];
             let style = TextStyle::new(7.6).anchor(Anchor::Middle);
-            canvas.text(at, &instant(pose.time, last), &style);
+            let caption = pose.caption.clone().unwrap_or_else(|| instant(pose.time, last));
+            canvas.text(at, &caption, &style);
         }
         key(canvas, &layout);
     }
+}
+
+/// Length of the largest force against the size of the poses.
+const FORCE: f64 = 0.2;
+
+/// Metres per newton, so that the largest force is seen well.
+fn force_scale(figure: &PoseFigure, size: f64) -> f64 {
+    let forces = figure.poses.iter().flat_map(|pose| &pose.forces);
+    let largest = forces.map(|(_, f)| dot(*f, *f).sqrt()).fold(0.0, f64::max);
+    if largest > 0.0 && size > 0.0 { FORCE * size / largest } else { 0.0 }
 }
 
 /// Axes, a length to compare with, and the strands' names.

@@ -2,7 +2,10 @@
 
 use handc_plot::pose::{Pose, PoseFigure, Solid};
 use handc_plot::timeplot::energy;
-use handc_plot::{Curve, Picture, Quantity, TimePlot, Unit, table};
+use handc_plot::{
+    Curve, Picture, PolarCurve, PolarPlot, Quantity, Sweep, SweepPlot, SweepRow, TimePlot, Unit,
+    table,
+};
 use std::path::Path;
 
 /// Compares with a file in `tests/golden`; `HANDC_UPDATE=1` rewrites it.
@@ -76,6 +79,75 @@ fn poses_stay_as_they_are() {
     assert!(figure.png().expect("a picture").len() > 5_000);
 }
 
+fn fan() -> SweepPlot {
+    let values: Vec<f64> = (0..5).map(|k| f64::from(k) * 0.3 - 0.6).collect();
+    let curve = |factor: f64| values.iter().map(|v| factor * v.cos()).collect::<Vec<_>>();
+    let column = |label: &str| Sweep {
+        label: label.into(),
+        unit: Unit::Angle,
+        values: values.clone(),
+        mark: Some(0.1),
+    };
+    SweepPlot {
+        title: "fan".into(),
+        names: vec!["deep".into(), "back".into()],
+        mark: "the pose".into(),
+        columns: vec![column("mcp"), column("pip")],
+        rows: vec![SweepRow {
+            label: "moment arm".into(),
+            unit: Unit::Prefixed("m"),
+            cells: vec![vec![(0, curve(0.01)), (1, curve(-0.008))], vec![(0, curve(0.006))]],
+        }],
+    }
+}
+
+fn rose(size: &[f64]) -> PolarPlot {
+    let count = size.len();
+    PolarPlot {
+        title: "rose".into(),
+        label: "largest force".into(),
+        unit: Unit::Prefixed("N"),
+        axes: ["x".into(), "y".into()],
+        curves: vec![PolarCurve {
+            name: String::new(),
+            angle: (0..count).map(|k| std::f64::consts::TAU * k as f64 / count as f64).collect(),
+            size: size.to_vec(),
+        }],
+        skeleton: vec![vec![[0.0, 0.0], [0.01, 0.02], [-0.02, 0.05]]],
+        notes: vec!["up to 100 N".into()],
+    }
+}
+
+#[test]
+fn sweeps_stay_as_they_are() {
+    well_formed(&fan().svg());
+    check("fan.svg", &fan().svg());
+    assert!(fan().png().expect("a picture").len() > 5_000);
+}
+
+#[test]
+fn directions_stay_as_they_are() {
+    let plot = rose(&[10.0, 20.0, 35.0, 20.0, 12.0, 5.0, 0.0, 5.0]);
+    well_formed(&plot.svg());
+    check("rose.svg", &plot.svg());
+    assert!(plot.png().expect("a picture").len() > 5_000);
+}
+
+#[test]
+fn directions_without_a_size_are_gaps() {
+    let odd = [f64::NAN, f64::INFINITY, 0.0, 1e-310];
+    for sizes in [&odd[..], &odd[..1], &[], &[0.0; 8], &[1.0, 1e6, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]] {
+        let plot = rose(sizes);
+        well_formed(&plot.svg());
+        assert!(plot.png().is_ok());
+    }
+    // One direction without end leaves the curve open there.
+    let open = rose(&[1.0, 2.0, f64::INFINITY, 2.0, 1.0, 1.0, 1.0, 1.0]).svg();
+    assert!(!open.contains("Z\" fill=\"#d6"), "{open}");
+    // A peak far beyond the others is cut off, and that is told.
+    assert!(rose(&[1.0, 1e6, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]).svg().contains("cut off at"));
+}
+
 #[test]
 fn odd_numbers_do_no_harm() {
     let odd = [f64::NAN, f64::INFINITY, -1e300, 1e-310, 0.0];
@@ -90,6 +162,13 @@ fn odd_numbers_do_no_harm() {
             let plot = TimePlot { title: "odd & long ".repeat(30), time, quantities };
             well_formed(&plot.svg());
             assert!(plot.png().is_ok());
+            let mut sweep = fan();
+            sweep.rows[0].cells = vec![vec![(1, values.to_vec())]];
+            sweep.columns[0].values = values.to_vec();
+            sweep.columns[0].unit = unit.clone();
+            sweep.rows[0].unit = unit.clone();
+            well_formed(&sweep.svg());
+            assert!(sweep.png().is_ok());
         }
     }
 }

@@ -13,6 +13,7 @@ use crate::vector::Transform;
 use handc_core::lanes::next_revision;
 use handc_core::layout::{
     ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Quantity, ScenarioLayout, Strand,
+    Wrap,
 };
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;
@@ -57,17 +58,6 @@ impl Interpreter {
     pub fn moment_arms(&mut self, q: &[f64], length_dq: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();
         mechanics.moment_arms(workspace, q, length_dq);
-    }
-    /// Tensions of all strands at rest in q, with the given natural lengths and the inputs of time
-    /// zero (N), length s.
-    pub fn strand_tensions(&mut self, q: &[f64], rest: &[f64], tensions: &mut [f64]) {
-        let (v, mut inputs) = (vec![0.0; q.len()], vec![0.0; self.layout.inputs.len()]);
-        self.inputs(0.0, &mut inputs);
-        let mut states = vec![[0.0; 4]; tensions.len()];
-        self.strand_states(&Midpoint { q, v: &v, t: 0.0, rest, inputs: &inputs }, &mut states);
-        for (tension, state) in tensions.iter_mut().zip(states) {
-            *tension = state[StrandQuantity::Tension as usize];
-        }
     }
     /// Motion of a point fixed in a link (rows 0 to 2) and turning of the link (rows 3 to 5) by every
     /// coordinate, in world axes, 6 × n by rows.
@@ -208,6 +198,10 @@ impl Model for Interpreter {
         let (mechanics, workspace) = self.mechanics();
         mechanics.strand_lengths(workspace, q, lengths);
     }
+    fn clearances(&mut self, q: &[f64], clearances: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.clearances(workspace, q, clearances);
+    }
     fn inputs(&mut self, t: f64, inputs: &mut [f64]) {
         let mechanism = Arc::clone(&self.mechanism);
         for (input, value) in mechanism.inputs.iter().zip(inputs) {
@@ -331,6 +325,13 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
                 is_prescribed: s.law == Law::Prescribed,
                 actuator: s.actuator.map(|input| input as usize),
             })
+            .collect(),
+        wraps: mechanism
+            .strands
+            .iter()
+            .enumerate()
+            .flat_map(|(strand, s)| s.wraps.iter().map(move |wrap| (strand, wrap)))
+            .map(|(strand, wrap)| Wrap { strand, surface: wrap.to_string() })
             .collect(),
         rows: mechanism
             .constraints

@@ -8,6 +8,7 @@
 
 use crate::expression::{Function, Own, Program, Variable};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A constant, or an output of [`Mechanism::values`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -280,6 +281,21 @@ impl Strand {
             _ => false,
         };
         in_law || !self.damping.is_zero() || self.friction.is_some()
+    }
+}
+
+/// What and where it is, as a message says it.
+impl fmt::Display for Wrap {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let form = match self.form {
+            SurfaceForm::Sphere => "sphere",
+            SurfaceForm::Cylinder { .. } => "cylinder",
+        };
+        write!(f, "{form} in `{}`", self.frame)?;
+        match self.source.as_str() {
+            "" => Ok(()),
+            source => write!(f, " ({source})"),
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::run::{ResolvedRun, find_runs};
 use crate::structure::{PathStep, segment_path};
 use crate::surface::{Form, Surface};
 use crate::vector::{Mat3, Transform, Vec3};
-use handc_core::scalar::Scalar;
+use handc_core::scalar::{Comparison, Scalar};
 
 /// A unit axis; the coordinate axes are told apart so that rotations about them stay cheap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -308,14 +308,17 @@ impl<S: Scalar> Resolved<S> {
         }
     }
     /// A surface in the axes of the link that carries it.
-    fn surface(&self, wrap: &Wrap) -> Surface<S> {
+    pub fn surface(&self, wrap: &Wrap) -> Surface<S> {
+        // A radius below zero has no surface: what hangs on it is not a number.
+        let (radius, zero, none) = (self.number(wrap.radius), S::zero(), S::constant(f64::NAN));
+        let radius = S::select(Comparison::LessEqual, zero, radius, radius, none);
         Surface {
             form: match &wrap.form {
                 SurfaceForm::Sphere => Form::Sphere,
                 SurfaceForm::Cylinder { axis } => Form::Cylinder(self.axis(axis)),
             },
             center: self.vector(&wrap.center.position),
-            radius: self.number(wrap.radius),
+            radius,
             side: wrap.side.as_ref().map(|side| self.vector(side)),
         }
     }

@@ -5,6 +5,7 @@
 //! the hexadecimal digits of their bits, so that nothing is lost on the way.
 
 use handc_core::model::{Instant, Midpoint, Model};
+use handc_core::passage::CLEARANCES;
 use handc_core::simulation::{Settings, Simulation};
 use handc_core::step::State;
 use handc_core::trajectory::columns;
@@ -198,6 +199,9 @@ fn functions<M: Model>(
     let mut lengths = vec![0.0; s];
     model.strand_lengths(q, &mut lengths);
     say("lengths", &lengths);
+    let mut clearances = vec![0.0; CLEARANCES * layout.wraps.len()];
+    model.clearances(q, &mut clearances);
+    say("clearances", &clearances);
     say("potential", &[model.potential(q, rest)]);
     let mut given = vec![0.0; inputs.len()];
     model.inputs(t, &mut given);

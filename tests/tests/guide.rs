@@ -169,12 +169,15 @@ fn commands() -> BTreeMap<String, BTreeSet<String>> {
         {
             let (options, flattened) = groups.entry(group.clone()).or_default();
             if std::mem::take(&mut long) {
-                options.insert(field.to_string());
+                options.insert(field.replace('_', "-"));
             }
             flattened.push(kind.trim_end_matches(',').to_string());
         }
     }
-    let files = ["check", "run", "compile", "dump", "fmt", "new", "plot", "info", "export"];
+    let files = [
+        "check", "run", "compile", "dump", "fmt", "new", "plot", "info", "export", "atlas", "pose",
+        "strength",
+    ];
     let mut commands = BTreeMap::new();
     for name in files {
         let variant = format!("{}{}", name[..1].to_uppercase(), &name[1..]);

@@ -1,6 +1,7 @@
 //! The commands of `handc`, one file each. Each returns the process's exit code: 0 done, 1 the model
 //! is wrong, 2 the command line is wrong, 3 the run failed.
 
+pub mod atlas;
 pub mod check;
 pub mod compile;
 mod core_source;
@@ -10,7 +11,10 @@ pub mod fmt;
 pub mod info;
 pub mod new;
 pub mod plot;
+pub mod pose;
+pub mod posture;
 pub mod run;
+pub mod strength;
 
 use crate::lower::lower;
 use handc_dsl::diagnostic::{Diagnostic, Severity, render, render_within};

@@ -8,6 +8,7 @@ mod body;
 mod coordinate;
 mod pose;
 mod route;
+mod wrap;
 
 use handc_core::model::Model as _;
 use handc_core::simulation::Settings;
@@ -34,6 +35,7 @@ pub fn lint(model: &hir::Model, mechanism: &Mechanism) -> Vec<Diagnostic> {
     coordinate::half_static(&context, &mut found);
     let held = coordinate::held(&context, &mut found);
     route::routes(&mut context, &mut found);
+    wrap::wraps(&mut context, &mut found);
     if held && !found.iter().any(Diagnostic::is_error) {
         pose::poses(&mut context, &mut found);
     }

@@ -72,6 +72,10 @@ fn coincident(context: &mut Context, found: &mut Vec<Diagnostic>) {
     let mechanism: &Mechanism = context.mechanism;
     for (strand, lowered) in context.model.strands.iter().zip(&mechanism.strands) {
         for (i, pair) in lowered.points.windows(2).enumerate() {
+            // A strand that goes round a surface may come back to where it was.
+            if lowered.wrap(i).is_some() {
+                continue;
+            }
             let (a, b) =
                 (world(pair[0].link, pair[0].position), world(pair[1].link, pair[1].position));
             let distance = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();

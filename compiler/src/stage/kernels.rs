@@ -4,6 +4,7 @@ use super::symbols::Symbols;
 use super::{Module, Task};
 use crate::emit::{Output, Place};
 use crate::graph::{Leaf, Sym};
+use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
 use handc_runtime::structure::Structure;
 
@@ -38,6 +39,7 @@ fn sentence(opening: &str, items: Vec<String>) -> Option<String> {
 /// Kernels of the whole model.
 pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
     let mut tasks = strands(symbols);
+    tasks.extend(clearances(symbols));
     tasks.extend(constraints(symbols));
     tasks.push(potential(symbols));
     tasks.push(frames(symbols));
@@ -189,6 +191,32 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
             outputs("arms", arms.into_iter().enumerate(), false, |slot| name(slot / count)),
         ),
     ]
+}
+
+/// How far surfaces are from being impassable, if strands wrap any.
+fn clearances(symbols: &Symbols) -> Option<Task> {
+    let strands = &symbols.mechanism.strands;
+    let wraps = || strands.iter().flat_map(|s| s.wraps.iter().map(move |w| (&s.name, w)));
+    let count = wraps().count();
+    if count == 0 {
+        return None;
+    }
+    let mut found = vec![Sym::zero(); CLEARANCES * count];
+    symbols.mechanics().clearances(&mut symbols.workspace(), &symbols.q, &mut found);
+    let names: Vec<&String> = wraps().map(|(name, _)| name).collect();
+    let list = wraps().map(|(name, wrap)| format!("`{name}` over the {wrap}")).collect();
+    let opening = "How far every surface is from being impassable (m), three numbers each: how far the \
+                   point before it and the point behind it are outside, and, on a sphere that is \
+                   touched, how far its centre is from the line between them.";
+    let about = sentence("Surfaces", list).into_iter().flat_map(|line| [String::new(), line]);
+    Some(Task {
+        module: Module::Strands,
+        name: "clearances",
+        doc: std::iter::once(opening.to_owned()).chain(about).collect(),
+        outputs: outputs("clearances", found.into_iter().enumerate(), true, |slot| {
+            names[slot / CLEARANCES].clone()
+        }),
+    })
 }
 
 fn constraints(symbols: &Symbols) -> Vec<Task> {

@@ -107,6 +107,7 @@ pub fn layout() -> Layout {
             "lumbrical".into(), has_rest : false, is_prescribed : false, actuator : None,
             }
         ],
+        wraps: vec![],
         rows: vec![],
         blocks: vec![
             Block { coordinates : vec![0, 1, 2], rows : vec![], parts : vec![vec![0, 1,

@@ -84,6 +84,7 @@ pub fn layout() -> Layout {
             is_static : false, }
         ],
         strands: vec![],
+        wraps: vec![],
         rows: vec![
             ConstraintRow { name : "pin.x".into() }, ConstraintRow { name : "pin.z"
             .into() }

@@ -386,6 +386,7 @@ pub fn layout() -> Layout {
             { name : "thumb.adp".into(), has_rest : false, is_prescribed : false,
             actuator : None, }
         ],
+        wraps: vec![],
         rows: vec![
             ConstraintRow { name : "index_pin.x".into() }, ConstraintRow { name :
             "index_pin.y".into() }, ConstraintRow { name : "index_pin.z".into() },

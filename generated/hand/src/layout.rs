@@ -323,6 +323,7 @@ pub fn layout() -> Layout {
             { name : "thumb.adp".into(), has_rest : false, is_prescribed : false,
             actuator : None, }
         ],
+        wraps: vec![],
         rows: vec![],
         blocks: vec![
             Block { coordinates : vec![0, 1, 2, 3], rows : vec![], parts : vec![vec![0,

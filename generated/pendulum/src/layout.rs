@@ -59,6 +59,7 @@ pub fn layout() -> Layout {
             false, is_static : false, }
         ],
         strands: vec![],
+        wraps: vec![],
         rows: vec![],
         blocks: vec![
             Block { coordinates : vec![0], rows : vec![], parts : vec![vec![0]],

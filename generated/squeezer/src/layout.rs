@@ -139,6 +139,7 @@ pub fn layout() -> Layout {
             Strand { name : "spring".into(), has_rest : true, is_prescribed : false,
             actuator : None, }
         ],
+        wraps: vec![],
         rows: vec![
             ConstraintRow { name : "loop3.x".into() }, ConstraintRow { name : "loop3.y"
             .into() }, ConstraintRow { name : "loop4.x".into() }, ConstraintRow { name :

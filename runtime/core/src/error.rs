@@ -19,6 +19,8 @@ pub struct StepError {
     pub condition: f64,
     /// Newton iterations spent, over all guesses.
     pub iterations: usize,
+    /// Which strand cannot pass its surface and why, if that is what went wrong; else empty.
+    pub blocked: String,
     /// What to try.
     pub hints: Vec<String>,
 }
@@ -32,6 +34,8 @@ pub enum StepErrorKind {
     Singular,
     /// The equations gave a value that is not finite at the state itself.
     NotFinite,
+    /// A strand cannot pass its surface.
+    Blocked,
 }
 
 impl fmt::Display for StepError {
@@ -40,18 +44,19 @@ impl fmt::Display for StepError {
             StepErrorKind::NoConvergence => "the step did not converge",
             StepErrorKind::Singular => "the step's equations are singular",
             StepErrorKind::NotFinite => "the step's equations are not finite",
+            StepErrorKind::Blocked => &self.blocked,
         };
-        write!(
-            f,
-            "{what} at t = {} s (step {}): worst equation `{}`, residual {:.3e}, \
-             condition at least {:.1e}, {} Newton iterations",
-            rounded(self.t),
-            self.step,
-            self.equation,
-            self.residual,
-            self.condition,
-            self.iterations
-        )?;
+        let (t, step) = (rounded(self.t), self.step);
+        if self.kind == StepErrorKind::Blocked {
+            write!(f, "at t = {t} s (step {step}) {what}")?;
+        } else {
+            let StepError { equation, residual, condition, iterations, .. } = self;
+            write!(
+                f,
+                "{what} at t = {t} s (step {step}): worst equation `{equation}`, residual \
+                 {residual:.3e}, condition at least {condition:.1e}, {iterations} Newton iterations"
+            )?;
+        }
         for hint in &self.hints {
             write!(f, "\n  try: {hint}")?;
         }

@@ -45,6 +45,15 @@ pub struct Strand {
     pub actuator: Option<usize>,
 }
 
+/// A surface that a strand wraps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wrap {
+    /// The strand by index.
+    pub strand: usize,
+    /// What and where it is: "sphere in `knee` (leg.hdl:12)".
+    pub surface: String,
+}
+
 /// A constraint row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintRow {
@@ -112,6 +121,8 @@ pub struct Layout {
     pub coordinates: Vec<Coordinate>,
     /// Strands in declaration order.
     pub strands: Vec<Strand>,
+    /// Surfaces that strands wrap, strand by strand.
+    pub wraps: Vec<Wrap>,
     /// Constraint rows in declaration order.
     pub rows: Vec<ConstraintRow>,
     /// Blocks of the step equations.

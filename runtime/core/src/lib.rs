@@ -21,6 +21,7 @@ pub mod math;
 pub mod model;
 pub mod motion;
 mod newton;
+pub mod passage;
 mod predict;
 pub mod runner;
 pub mod scalar;

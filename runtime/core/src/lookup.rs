@@ -21,21 +21,27 @@ pub(crate) fn find_scenario(
             layout.name,
             list(names())
         ))),
-        (Some(name), _) => match names().position(|n| n == name) {
-            Some(index) => Ok(Some(index)),
-            None => Err(unknown(layout, "scenario", name, names())),
-        },
+        (Some(name), _) => find_name(&layout.name, "scenario", name, names()).map(Some),
     }
 }
 
 /// Index of a parameter by name.
 pub fn find_param(layout: &Layout, name: &str) -> Result<usize, RunError> {
-    let names = || layout.params.iter().map(|p| p.name.as_str());
-    names().position(|n| n == name).ok_or_else(|| unknown(layout, "parameter", name, names()))
+    find_name(&layout.name, "parameter", name, layout.params.iter().map(|p| p.name.as_str()))
+}
+
+/// Index of a name among the known ones of a model; the error suggests the one that may be meant.
+pub fn find_name<'a>(
+    model: &str,
+    kind: &str,
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, RunError> {
+    known.clone().position(|n| n == name).ok_or_else(|| unknown(model, kind, name, known))
 }
 
 fn unknown<'a>(
-    layout: &Layout,
+    model: &str,
     kind: &str,
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
@@ -47,7 +53,7 @@ fn unknown<'a>(
             listed => format!("it has {listed}"),
         },
     };
-    RunError::Usage(format!("`{}` has no {kind} `{name}`: {hint}", layout.name))
+    RunError::Usage(format!("`{model}` has no {kind} `{name}`: {hint}"))
 }
 
 /// `` `a`, `b` ``, and an end where there are too many.

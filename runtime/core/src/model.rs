@@ -96,6 +96,13 @@ pub trait Model {
     /// Lengths of all strands (m), length s.
     fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]);
 
+    /// How far each surface is from being impassable (m), three numbers each: how far the point before
+    /// it and the point behind it are outside, and, on a sphere that the strand touches, how far its
+    /// centre is from the line between them, less 10⁻⁹ of the radius. Where one is negative or not a
+    /// number, the strand's length or its derivative is not a number. Not called for a model whose
+    /// strands wrap nothing.
+    fn clearances(&mut self, _q: &[f64], _clearances: &mut [f64]) {}
+
     /// Default inputs at time t, length u.
     fn inputs(&mut self, t: f64, inputs: &mut [f64]);
 

@@ -1,17 +1,18 @@
 //! A run of a scenario: parameters set, start found, natural lengths and drives fed, steps taken.
 
-use crate::error::RunError;
+use crate::error::{RunError, StepError, StepErrorKind};
 use crate::follow::Followed;
 use crate::lanes::{LaneConstants, LaneRun};
 use crate::layout::Layout;
 use crate::lookup::find_scenario;
 use crate::model::{Instant, Model, ScenarioValues};
+use crate::passage::{Blocked, blocked};
 use crate::start::{Kinetic, momentum, project};
 use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
 use std::sync::Arc;
 
-pub use crate::lookup::find_param;
+pub use crate::lookup::{find_name, find_param};
 
 /// Relative tolerance where nothing else is asked for: below rounding, so that the floor decides.
 pub const DEFAULT_TOLERANCE: f64 = 1e-15;
@@ -139,17 +140,24 @@ impl<M: Model> Simulation<M> {
         self.feed(0.0);
         let (model, driven) = (&mut self.model, &self.driven);
         let State { q, v, p, .. } = &mut self.state;
-        self.start_moved = project(model, q, &self.rest, driven).map_err(|(row, gap)| {
+        let given = q.clone();
+        let moved = project(model, q, &self.rest, driven);
+        if let Some(i) = (0..q.len()).find(|&i| moved.is_ok() && !q[i].is_finite()) {
+            let name = &self.layout.coordinates[i].name;
+            return Err(RunError::Start(format!("the start of `{name}` is not a number")));
+        }
+        // Where the search for a start fails it ends anywhere: then the start as it was given tells.
+        let seen = if moved.is_ok() { &*q } else { &given };
+        if let Some(Blocked { what, hint }) = blocked(model, seen) {
+            return Err(RunError::Start(format!("at the start {what}\n  try: {hint}")));
+        }
+        self.start_moved = moved.map_err(|(row, gap)| {
             RunError::Start(format!(
                 "the start cannot be moved onto the constraints: `{row}` is {gap:.3e} away there\n  \
                  try: a start nearer to a closed configuration, or check that the constraints can \
                  all hold at once"
             ))
         })?;
-        if let Some(i) = (0..q.len()).find(|&i| !q[i].is_finite()) {
-            let name = &self.layout.coordinates[i].name;
-            return Err(RunError::Start(format!("the start of `{name}` is not a number")));
-        }
         *p = momentum(model, q, v, driven);
         model.strand_lengths(q, &mut self.start_lengths);
         for (strand, layout) in self.layout.strands.iter().enumerate() {
@@ -255,6 +263,24 @@ impl<M: Model> Simulation<M> {
     pub(crate) fn finish_alone(&mut self) -> Result<(), RunError> {
         let (model, state, stepper, around) = self.parts();
         Ok(stepper.step(model, state, &around)?)
+    }
+
+    /// An error if a strand cannot pass its surface where the run is.
+    pub fn passable(&mut self) -> Result<(), RunError> {
+        let Some(Blocked { what, hint }) = blocked(&mut self.model, &self.state.q) else {
+            return Ok(());
+        };
+        Err(RunError::Step(StepError {
+            kind: StepErrorKind::Blocked,
+            t: self.state.t,
+            step: self.state.step,
+            equation: "none".to_string(),
+            residual: 0.0,
+            condition: f64::NAN,
+            iterations: 0,
+            blocked: what,
+            hints: vec![hint.to_string()],
+        }))
     }
 
     /// Inputs and natural lengths at time t.

@@ -82,6 +82,10 @@ impl Trajectory {
     pub fn record<M: Model>(&mut self, simulation: &mut Simulation<M>) -> Result<(), RunError> {
         let mut numbers = std::mem::take(&mut self.row);
         row(simulation, &mut numbers);
+        if numbers.iter().any(|number| number.is_nan()) {
+            // A step sees the middle of its way; its end may lie where a strand cannot pass.
+            simulation.passable()?;
+        }
         for (i, number) in numbers.iter().enumerate() {
             if i > 0 {
                 self.buffer.push(',');

@@ -144,7 +144,7 @@ fn newton_step(at: &Tangent) -> Vec<f64> {
     let stiffest = at.stiffest();
     let limit = 1e-10 * stiffest;
     if at.directions.first().is_some_and(|softest| softest.stiffness > limit) {
-        let step = at.stiffness.clone().lu().solve(&push);
+        let step = at.stiffness().clone().lu().solve(&push);
         if let Some(step) = step.filter(|step| step.dot(&push) > 0.0) {
             return step.iter().copied().collect();
         }

@@ -68,7 +68,11 @@ impl Linear {
                 for (k, &column) in block.coordinates.iter().enumerate() {
                     let slot = block.matrix_offset + i * width + k;
                     linear.mass[row * n + column] = packed_mass[slot];
-                    linear.stiffness[row * n + column] = -packed[slot] * (4.0 / LONG_STEP);
+                    // No more than the mass leaves is no stiffness.
+                    let stiffness = -packed[slot] * (4.0 / LONG_STEP);
+                    let left = packed_mass[slot].abs() * (8.0 / LONG_STEP / LONG_STEP);
+                    linear.stiffness[row * n + column] =
+                        if stiffness.abs() > left { stiffness } else { 0.0 };
                 }
             }
             for (i, &row) in block.rows.iter().enumerate() {

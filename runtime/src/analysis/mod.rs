@@ -7,4 +7,5 @@ pub mod equilibrium;
 pub mod linear;
 pub mod modes;
 pub mod rank;
+pub mod singular;
 pub mod tangent;

@@ -15,7 +15,7 @@ use crate::interpreter::Interpreter;
 use handc_core::layout::CoordinateKind;
 use handc_core::linalg::solve_least_norm;
 use handc_core::model::Model;
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// A part of the largest stiffness below which one counts as none.
 const NEUTRAL: f64 = 1e-9;
@@ -55,8 +55,9 @@ pub struct Tangent {
     pub residual: Vec<f64>,
     /// Directions that keep the constraints: an orthonormal basis in units of `scale`, n numbers each.
     pub basis: Vec<Vec<f64>>,
-    /// Tangent stiffness in that basis.
-    pub(super) stiffness: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+    /// Stiffness over all coordinates, constraints among what makes it.
+    hessian: DMatrix<f64>,
     /// Principal directions of its symmetric part, softest first.
     pub directions: Vec<Direction>,
 }
@@ -107,11 +108,39 @@ impl Tangent {
             hessian += DMatrix::from_row_slice(n, n, &curvature);
         }
         let directions = DMatrix::from_fn(n, basis.len(), |i, k| basis[k][i] * scale[i]);
-        let stiffness = directions.transpose() * hessian * &directions;
-        let mut tangent =
-            Tangent { linear, scale, reaction, residual, basis, stiffness, directions: Vec::new() };
+        let stiffness = directions.transpose() * &hessian * &directions;
+        let mut tangent = Tangent {
+            linear,
+            scale,
+            reaction,
+            residual,
+            basis,
+            stiffness,
+            hessian,
+            directions: Vec::new(),
+        };
         tangent.find_directions();
         Some(tangent)
+    }
+
+    /// Tangent stiffness in the basis.
+    pub fn stiffness(&self) -> &DMatrix<f64> {
+        &self.stiffness
+    }
+
+    /// Adds to a motion of coordinates that are not free what those that are do, so that they stay
+    /// balanced; `None` where nothing holds them. The motion keeps the constraints.
+    pub fn balanced(&self, motion: &[f64]) -> Option<Vec<f64>> {
+        let n = self.linear.n;
+        let given = DVector::from_column_slice(motion);
+        let directions =
+            DMatrix::from_fn(n, self.basis.len(), |i, k| self.basis[k][i] * self.scale[i]);
+        let push = directions.tr_mul(&(&self.hessian * given));
+        let weights = self.stiffness.clone().lu().solve(&push)?;
+        let answer = self.motion(weights.as_slice());
+        let sum: Vec<f64> =
+            motion.iter().zip(answer).map(|(given, answer)| given - answer).collect();
+        sum.iter().all(|x| x.is_finite()).then_some(sum)
     }
 
     fn find_directions(&mut self) {

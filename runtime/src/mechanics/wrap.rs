@@ -10,11 +10,13 @@
 //!
 //! [`Way`]: crate::surface::Way
 
-use super::Mechanics;
 use super::segment::{Order, Segments};
+use super::{Mechanics, Workspace};
+use crate::mechanism::Wrap;
 use crate::structure::SegmentPath;
 use crate::surface::Surface;
 use crate::vector::Vec3;
+use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
 
 impl<S: Scalar> Mechanics<'_, S> {
@@ -72,6 +74,25 @@ impl<S: Scalar> Mechanics<'_, S> {
                 let is_twice = i != j && path.positions[i] == path.positions[j];
                 out.squares.push(if is_twice { square.scale(2.0) } else { square });
             }
+        }
+    }
+
+    /// How far every surface is from being impassable at q (m), three numbers each
+    /// ([`Surface::clearances`]).
+    pub fn clearances(&self, workspace: &mut Workspace<S>, q: &[S], clearances: &mut [S]) {
+        self.prepare(workspace, q);
+        self.world_links(workspace, q, |_| true);
+        let wraps = self.mechanism.strands.iter().flat_map(|strand| {
+            let points = |wrap: &Wrap| [0, 1].map(|k| strand.points[wrap.gap as usize + k]);
+            strand.wraps.iter().map(move |wrap| (wrap, points(wrap)))
+        });
+        for ((wrap, points), found) in wraps.zip(clearances.chunks_mut(CLEARANCES)) {
+            let world_from_link = self.world_from(workspace, wrap.center.link);
+            let points = points.map(|point| {
+                let world = self.world_from(workspace, point.link);
+                world_from_link.inverse_point(world.point(self.numbers.vector(&point.position)))
+            });
+            found.copy_from_slice(&self.numbers.surface(wrap).clearances(points));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! `handc plot`: figures of a trajectory, or of a model that is run for them.
 
 mod series;
-mod skeleton;
+pub(crate) mod skeleton;
 
 use handc_core::simulation::Settings;
 use handc_dsl::hir;

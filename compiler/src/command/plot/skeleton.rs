@@ -5,6 +5,7 @@ use handc_core::model::Model;
 use handc_dsl::hir::{self, BinaryOp, Expr, ExprKind, JointKind, MassKind};
 use handc_plot::PoseFigure;
 use handc_plot::pose::{Pose, Solid, Spot, instants};
+use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanism::{ConstraintKind, Mechanism, Point};
 use handc_runtime::resolved::{Resolved, constraint_points};
 use handc_runtime::vector::{Transform, Vec3};
@@ -29,20 +30,47 @@ struct Placed<'a> {
 
 /// Poses from the start to the greatest departure from it.
 pub(super) fn figure(run: &mut Run, model: &hir::Model, title: String) -> PoseFigure {
-    let mechanism = run.simulation.model.mechanism().clone();
-    let numbers = Resolved::new(&mechanism, run.simulation.model.params());
-    let skeleton = Skeleton { model, mechanism: &mechanism, numbers };
     let chosen = instants(&departure(run), POSES);
-    let mut poses = Vec::new();
-    for at in chosen {
-        let q: Vec<f64> = run.q.iter().map(|values| values[at]).collect();
-        let frames = run.simulation.model.frame_poses(&q);
-        poses.push(Placed::new(&skeleton, frames).pose(run.time[at]));
-    }
+    let states = chosen.iter().map(|&at| State {
+        q: run.q.iter().map(|values| values[at]).collect(),
+        time: run.time[at],
+        caption: None,
+    });
+    let states: Vec<State> = states.collect();
+    poses(&mut run.simulation.model, model, &states, title).without_repetition()
+}
+
+/// A configuration and what stands below its picture.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    /// Coordinates.
+    pub(crate) q: Vec<f64>,
+    /// Time (s).
+    pub(crate) time: f64,
+    /// Text instead of the time.
+    pub(crate) caption: Option<String>,
+}
+
+/// A picture of configurations.
+pub(crate) fn poses(
+    interpreter: &mut Interpreter,
+    model: &hir::Model,
+    states: &[State],
+    title: String,
+) -> PoseFigure {
+    let mechanism = interpreter.mechanism().clone();
+    let numbers = Resolved::new(&mechanism, interpreter.params());
+    let skeleton = Skeleton { model, mechanism: &mechanism, numbers };
+    let poses = states.iter().map(|state| {
+        let frames = interpreter.frame_poses(&state.q);
+        let pose = Placed::new(&skeleton, frames).pose(state.time);
+        Pose { caption: state.caption.clone(), ..pose }
+    });
+    let poses = poses.collect();
     let gravity = mechanism.gravity.map(|g| skeleton.numbers.number(g));
     let up = if gravity == [0.0; 3] { [0.0, 0.0, 1.0] } else { gravity.map(|g| -g) };
     let strands = mechanism.strands.iter().map(|strand| strand.name.clone()).collect();
-    PoseFigure { title, strands, up, poses }.without_repetition()
+    PoseFigure { title, strands, up, poses }
 }
 
 /// How far the coordinates are from their start at each instant (rad; lengths against the model's).
@@ -92,6 +120,8 @@ impl<'a> Placed<'a> {
         let joints = model.joints.iter().filter(|joint| joint.kind != JointKind::Free);
         Pose {
             time,
+            caption: None,
+            forces: Vec::new(),
             solids,
             bars: self.bars(),
             joints: joints.map(|j| self.frames[j.frame.index()].translation.0).collect(),

@@ -134,6 +134,16 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             &[("q", output()), ("v", output())],
         ),
     ];
+    let has_clearances = functions.iter().any(|placed| placed.emitted.name == "clearances");
+    let clearances = has_clearances.then(|| {
+        make(
+            "clearances",
+            "clearances",
+            &|m| m == Module::Strands,
+            vec![read("q"), write("clearances", "clearances")],
+            &[("q", input()), ("clearances", output())],
+        )
+    });
     let potential = potential(names, functions);
     let scenarios = scenarios(names, functions);
     let model = &names.model;
@@ -152,6 +162,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             }
             #blocks
             #(#methods)*
+            #clearances
             #potential
             #scenarios
         }

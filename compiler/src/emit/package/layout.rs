@@ -34,6 +34,7 @@ pub(super) fn module(layout: &Layout, names: &Names) -> TokenStream {
         "Quantity",
         "ScenarioLayout",
         "Strand",
+        "Wrap",
     ];
     let uses = imports::from(quote!(handc_core::layout), &types, &data);
     quote! {
@@ -53,6 +54,7 @@ fn size_doc(name: &str) -> &'static str {
         "MATRIX" => "Numbers in a packed Newton or mass matrix.",
         "JACOBIAN" => "Numbers in a packed constraint Jacobian.",
         "ARMS" => "Numbers in a matrix of moment arms.",
+        "CLEARANCES" => "Numbers that tell how passable surfaces are.",
         "POSES" => "Numbers in the poses of all frames.",
         _ => "Numbers that follow from parameters.",
     }
@@ -148,6 +150,10 @@ fn data(layout: &Layout) -> TokenStream {
             actuator: #actuator,
         })
     });
+    let wraps = layout.wraps.iter().map(|wrap| {
+        let (strand, surface) = (integer(wrap.strand), &wrap.surface);
+        quote!(Wrap { strand: #strand, surface: #surface.into() })
+    });
     let rows = layout.rows.iter().map(|r| {
         let name = &r.name;
         quote!(ConstraintRow { name: #name.into() })
@@ -164,6 +170,7 @@ fn data(layout: &Layout) -> TokenStream {
                 inputs: vec![#(#inputs),*],
                 coordinates: vec![#(#coordinates),*],
                 strands: vec![#(#strands),*],
+                wraps: vec![#(#wraps),*],
                 rows: vec![#(#rows),*],
                 blocks: vec![#(#blocks),*],
                 scenarios: vec![#(#scenarios),*],

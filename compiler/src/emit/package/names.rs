@@ -7,6 +7,7 @@ use crate::emit::print::identifier;
 use crate::graph::Leaf;
 use crate::stage::Staged;
 use handc_core::layout::Layout;
+use handc_core::passage::CLEARANCES;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
@@ -187,13 +188,16 @@ impl Names {
             input_fields: unique(inputs()),
             sizes: Vec::new(),
         };
-        let sizes = vec![
+        let mut sizes = vec![
             ("MATRIX", layout.matrix_size()),
             ("JACOBIAN", layout.constraint_size()),
             ("ARMS", names.strands.len() * names.coordinates.len()),
             ("POSES", 12 * names.frames.len()),
             ("VALUES", staged.values),
         ];
+        if !layout.wraps.is_empty() {
+            sizes.push(("CLEARANCES", CLEARANCES * layout.wraps.len()));
+        }
         Names { sizes, ..names }
     }
 
@@ -229,6 +233,7 @@ impl Names {
             (None, "jacobian") => "JACOBIAN",
             (None, "arms") => "ARMS",
             (None, "poses") => "POSES",
+            (None, "clearances") => "CLEARANCES",
             (None, _) => "VALUES",
         }
     }

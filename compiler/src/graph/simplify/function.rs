@@ -24,6 +24,8 @@ pub(super) fn unary(graph: &mut Graph, function: Unary, a: Sym) -> Sym {
             let positive = unary(graph, function, inner);
             negate(graph, positive)
         }
+        // √(x·x) = |x|, the length of a vector along an axis.
+        (Unary::Sqrt, Node::Binary(Binary::Mul, x, y)) if x == y => unary(graph, Unary::Abs, x),
         (Unary::Abs, Node::Unary(Unary::Abs | Unary::Sqrt, _))
         | (Unary::Floor, Node::Unary(Unary::Floor, _)) => a,
         _ => graph.intern(Node::Unary(function, a)),

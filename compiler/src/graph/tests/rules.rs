@@ -59,6 +59,8 @@ fn functions() {
         assert_eq!(Sym::select(Comparison::Less, c(1.0), c(2.0), x(), y()), x());
         assert_eq!(Sym::select(Comparison::Less, x(), y(), x(), x()), x());
         assert_eq!(x().powf(c(0.5)), x().sqrt());
+        assert_eq!((x() * x()).sqrt(), x().abs());
+        assert_eq!(((x() * y()) * (x() * y())).sqrt(), (x() * y()).abs());
     });
 }
 

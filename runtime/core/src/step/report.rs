@@ -3,6 +3,7 @@
 use super::{Attempt, State, Stepper, Surroundings, ratio};
 use crate::error::{StepError, StepErrorKind};
 use crate::model::Model;
+use crate::passage::{self, Blocked};
 
 impl Stepper {
     pub(super) fn report<M: Model>(
@@ -13,6 +14,7 @@ impl Stepper {
         last: Attempt,
         iterations: usize,
     ) -> StepError {
+        let blocked = self.blocked(model, state, around);
         // Evaluate where the step began, so that the numbers reported are the model's own.
         self.guess(2, state, around);
         self.evaluate(model, state, around, true);
@@ -69,6 +71,11 @@ impl Stepper {
             }
             hints.push("drives, inputs and motions that begin without a jump".to_string());
         }
+        let kind = if blocked.is_some() { StepErrorKind::Blocked } else { kind };
+        let (blocked, hints) = match blocked {
+            Some(Blocked { what, hint }) => (what, vec![hint.to_string()]),
+            None => (String::new(), hints),
+        };
         StepError {
             kind,
             t: state.t,
@@ -77,7 +84,28 @@ impl Stepper {
             residual: worst.2,
             condition: self.condition,
             iterations,
+            blocked,
             hints,
         }
+    }
+
+    /// A strand that cannot pass its surface where the step begins, or where a guess leads: at the
+    /// middle of the step first.
+    fn blocked<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+    ) -> Option<Blocked> {
+        let here = passage::blocked(model, &state.q);
+        here.or_else(|| {
+            let places =
+                [0.5, 1.0].into_iter().flat_map(|part| [1, 0, 3].map(|guess| (part, guess)));
+            places.into_iter().find_map(|(part, guess)| {
+                self.guess(guess, state, around);
+                let ahead = state.q.iter().zip(&self.delta).map(|(q, delta)| q + part * delta);
+                passage::blocked(model, &ahead.collect::<Vec<f64>>())
+            })
+        })
     }
 }

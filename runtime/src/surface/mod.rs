@@ -18,9 +18,13 @@
 //! A point inside the surface has no tangent: T is the root of a negative number, and x is not a
 //! number. Over a sphere, points opposite each other have no plane, and x no derivative.
 
+mod turn;
+
 use crate::resolved::Axis;
 use crate::vector::Vec3;
-use handc_core::scalar::{Comparison, Scalar};
+use handc_core::passage::CLEARANCES;
+use handc_core::scalar::Scalar;
+use turn::Turn;
 
 /// The form of a surface with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,38 +82,6 @@ pub struct End<S> {
     pub excess: S,
 }
 
-/// The turn about the centre in the plane across the axis, or that of the two points.
-struct Turn<S> {
-    /// The points in that plane.
-    points: [Vec3<S>; 2],
-    /// Their squares p², q².
-    squares: [S; 2],
-    /// Tangents T.
-    tangents: [S; 2],
-    /// 1 or −1: whether the way turns about the axis or p × q, or against it.
-    sign: S,
-    /// pq·sin θ, below zero for more than half a turn.
-    sine: S,
-    /// pq·cos θ.
-    cosine: S,
-    /// Not below zero where the strand does not touch; not a number where a point is inside.
-    free: S,
-    /// T_p + T_q + rφ.
-    length: S,
-}
-
-impl<S: Scalar> Turn<S> {
-    /// `then` where the strand does not touch, else `otherwise`; the latter for what is not a number.
-    #[inline]
-    fn choose(&self, then: S, otherwise: S) -> S {
-        S::select(Comparison::LessEqual, S::zero(), self.free, then, otherwise)
-    }
-    #[inline]
-    fn choose_vector(&self, then: Vec3<S>, otherwise: Vec3<S>) -> Vec3<S> {
-        Vec3([0, 1, 2].map(|i| self.choose(then.0[i], otherwise.0[i])))
-    }
-}
-
 impl<S: Scalar> Surface<S> {
     /// Length of the way between two points in the link's axes (m).
     pub fn length(&self, points: [Vec3<S>; 2]) -> S {
@@ -117,6 +89,22 @@ impl<S: Scalar> Surface<S> {
         let advance = self.advance(points);
         let straight = (points[1] - points[0]).norm_squared().sqrt();
         turn.choose(straight, hypotenuse(turn.length, advance))
+    }
+
+    /// How far the points are outside, and how far the centre of a sphere that is touched is from the
+    /// line between them, less 10⁻⁹ of the radius (m).
+    pub fn clearances(&self, points: [Vec3<S>; 2]) -> [S; CLEARANCES] {
+        let turn = self.turn(points);
+        let [before, behind] = turn.squares.map(|p| p.sqrt() - self.radius);
+        let off = match self.form {
+            Form::Cylinder(_) => self.radius,
+            Form::Sphere => {
+                let distance = (points[1] - points[0]).norm_squared().sqrt();
+                let least = self.radius.scale(1e-9);
+                turn.choose(self.radius, turn.sine.abs() / distance - least)
+            }
+        };
+        [before, behind, off]
     }
 
     /// The way between two points in the link's axes, with its derivatives.
@@ -151,66 +139,6 @@ impl<S: Scalar> Surface<S> {
             Form::Sphere => S::zero(),
             Form::Cylinder(axis) => axis.dot(points[1] - points[0]),
         }
-    }
-
-    fn turn(&self, points: [Vec3<S>; 2]) -> Turn<S> {
-        let (zero, one) = (S::zero(), S::one());
-        let points = points.map(|point| point - self.center);
-        let (points, plain) = match &self.form {
-            Form::Sphere => (points, points[0].cross(points[1]).norm_squared().sqrt()),
-            Form::Cylinder(axis) => {
-                let points = points.map(|point| axis.reject(point));
-                (points, axis.triple(points[0], points[1]))
-            }
-        };
-        let squares = points.map(|point| point.norm_squared());
-        let sign = match (&self.form, self.side) {
-            (Form::Sphere, None) => one,
-            (Form::Cylinder(_), None) => S::select(Comparison::Less, plain, zero, -one, one),
-            // m·d has the sign of d·(p/‖p‖ + q/‖q‖) if θ < π, and against the turn that of
-            // (a × d)·(q/‖q‖ − p/‖p‖). Squares that keep their sign need no root.
-            (form, Some(side)) => {
-                let (toward, first) = match form {
-                    Form::Sphere => (side, -one),
-                    Form::Cylinder(axis) => (axis.cross(side), one),
-                };
-                let [p, q] = points.map(|point| toward.dot(point));
-                let [p, q] = [p * p.abs() * squares[1] * first, q * q.abs() * squares[0]];
-                S::select(Comparison::Less, q, p, -one, one)
-            }
-        };
-        let sine = match (&self.form, self.side) {
-            (Form::Sphere, None) => plain,
-            (Form::Cylinder(_), None) => plain.abs(),
-            _ => sign * plain,
-        };
-        let cosine = points[0].dot(points[1]);
-        let square = self.radius * self.radius;
-        let tangents = squares.map(|p| (p - square).sqrt());
-        // (r − iT_p)(r − iT_q) = real − i·imaginary.
-        let real = square - tangents[0] * tangents[1];
-        let tangent = tangents[0] + tangents[1];
-        let imaginary = self.radius * tangent;
-        let along = cosine * real + sine * imaginary;
-        let across = sine * real - cosine * imaginary;
-        // 0 ≤ φ < 2π where the strand touches.
-        let angle = (-across).atan2(-along) + S::constant(std::f64::consts::PI);
-        // A strand that turns by less than half a turn touches if φ > 0; by more, always.
-        let free = match self.side {
-            None => -across,
-            Some(_) => S::select(Comparison::LessEqual, zero, sine, -across, -one),
-        };
-        let length = tangent + self.radius * angle;
-        Turn { points, squares, tangents, sign, sine, cosine, free, length }
-    }
-
-    /// The two ends of a turn: u_p = (T_p p − r n×p)/p², u_q = (T_q q + r n×q)/q².
-    fn directions(&self, turn: &Turn<S>, ahead: [Vec3<S>; 2]) -> [Vec3<S>; 2] {
-        let radii = [-self.radius, self.radius];
-        [0, 1].map(|i| {
-            let toward = turn.points[i].scale(turn.tangents[i]) + ahead[i].scale(radii[i]);
-            toward.scale(turn.squares[i].recip())
-        })
     }
 
     /// A way that touches a sphere. Out of its plane it bends by (T + r cot θ)/p² at an end and by
@@ -275,3 +203,6 @@ impl<S: Scalar> Surface<S> {
 fn hypotenuse<S: Scalar>(s: S, z: S) -> S {
     if z.is_known_zero() { s } else { (s * s + z * z).sqrt() }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,172 @@
+//! Surfaces that strands wrap: whether the strand can pass them, and on which side.
+
+use super::Context;
+use handc_core::model::Model;
+use handc_dsl::diagnostic::Diagnostic;
+use handc_dsl::hir;
+use handc_runtime::mechanism::{Point, Strand};
+use handc_runtime::resolved::Resolved;
+use handc_runtime::surface::{Form, Surface};
+use handc_runtime::vector::{Transform, Vec3};
+
+/// Cosine between the hint and the middle of the way below which a small motion may change sides.
+const UNCLEAR: f64 = 0.1;
+
+/// Looks at every surface at the start and, if that is fine, at the starts and poses of scenarios.
+pub(super) fn wraps(context: &mut Context, found: &mut Vec<Diagnostic>) {
+    if context.mechanism.strands.iter().all(|strand| strand.wraps.is_empty()) {
+        return;
+    }
+    for (q, place) in places(context) {
+        let before = found.len();
+        look(context, &q, &place, found);
+        if found.len() > before {
+            return;
+        }
+    }
+}
+
+/// The start, then those of scenarios and their poses, with the words for where that is.
+fn places(context: &mut Context) -> Vec<(Vec<f64>, String)> {
+    let start = context.start();
+    let numbers = Resolved::<f64>::new(context.mechanism, context.interpreter.params());
+    let moved = |from: &[f64], values: &[(u32, _)]| {
+        let mut q = from.to_vec();
+        values.iter().for_each(|&(c, value)| q[c as usize] = numbers.number(value));
+        q
+    };
+    let mut places = vec![(start.clone(), "at the start".to_string())];
+    for scenario in &context.mechanism.scenarios {
+        let own = moved(&start, &scenario.start);
+        places.push((own.clone(), format!("at the start of scenario `{}`", scenario.name)));
+        let is_used = |pose: usize| {
+            let mut knots = scenario.motions.iter().flat_map(|(_, knots)| knots);
+            knots.any(|knot| knot.0 as usize == pose)
+        };
+        let poses = scenario.poses.iter().enumerate().filter(|(index, _)| is_used(*index));
+        for (_, (pose, values)) in poses {
+            places.push((moved(&own, values), format!("in pose `{pose}`")));
+        }
+    }
+    places
+}
+
+fn look(context: &mut Context, q: &[f64], place: &str, found: &mut Vec<Diagnostic>) {
+    let numbers = Resolved::<f64>::new(context.mechanism, context.interpreter.params());
+    let poses = context.interpreter.link_poses(q);
+    for (model, strand) in context.model.strands.iter().zip(&context.mechanism.strands) {
+        for (said, wrap) in model.wraps.iter().zip(&strand.wraps) {
+            let surface = numbers.surface(wrap);
+            let points = ends(&numbers, &poses, strand, wrap.gap as usize, wrap.center.link);
+            let ends = [&model.path[said.gap], &model.path[said.gap + 1]];
+            let finding = Finding { strand: &model.name.text, said, ends, place };
+            found.extend(
+                finding.inside(&surface, points).or_else(|| finding.side(&surface, points)),
+            );
+        }
+    }
+}
+
+/// The points before and behind a surface, in the axes of the link that carries it.
+fn ends(
+    numbers: &Resolved<f64>,
+    poses: &[Transform<f64>],
+    strand: &Strand,
+    gap: usize,
+    link: Option<u32>,
+) -> [Vec3<f64>; 2] {
+    let world = |point: &Point| {
+        let position = numbers.vector(&point.position);
+        point.link.map_or(position, |link| poses[link as usize].point(position))
+    };
+    [0, 1].map(|k| {
+        let point = world(&strand.points[gap + k]);
+        link.map_or(point, |link| poses[link as usize].inverse_point(point))
+    })
+}
+
+/// A surface and what may be said of it.
+struct Finding<'a> {
+    strand: &'a str,
+    said: &'a hir::Wrap,
+    ends: [&'a hir::Point; 2],
+    place: &'a str,
+}
+
+impl Finding<'_> {
+    /// A path point in the surface, or two that are opposite each other on a sphere.
+    fn inside(&self, surface: &Surface<f64>, points: [Vec3<f64>; 2]) -> Option<Diagnostic> {
+        let (strand, place, span) = (self.strand, self.place, self.said.span);
+        let [before, behind, apart] = surface.clearances(points);
+        if surface.radius.is_nan() {
+            let message = format!("a surface of strand `{strand}` has a negative radius");
+            return Some(Diagnostic::error("inside-surface", self.said.radius.span, message));
+        }
+        for (clearance, point) in [before, behind].into_iter().zip(self.ends) {
+            // On the surface itself the tangent has no length.
+            if clearance > 1e-9 * surface.radius {
+                continue;
+            }
+            let message = format!(
+                "a path point of strand `{strand}` is inside the surface it wraps, {place}"
+            );
+            let depth = format!("{:.4} mm inside", -1e3 * clearance);
+            let error = Diagnostic::error("inside-surface", span, message);
+            return Some(error.also(point.span, depth).help(
+                "a strand goes round from outside: make the radius smaller or move the point",
+            ));
+        }
+        if apart > 0.0 {
+            return None;
+        }
+        let message =
+            format!("strand `{strand}` runs straight at the centre of its sphere, {place}");
+        let error = Diagnostic::error("opposite-points", span, message)
+            .label("every way round is equally short")
+            .also(self.ends[0].span, "from here")
+            .also(self.ends[1].span, "to here");
+        Some(
+            error
+                .help("move one of the points aside, or wrap a cylinder, whose axis tells the way"),
+        )
+    }
+
+    /// A strand that a small motion would put on the other side.
+    fn side(&self, surface: &Surface<f64>, points: [Vec3<f64>; 2]) -> Option<Diagnostic> {
+        let (strand, place, span) = (self.strand, self.place, self.said.span);
+        let arms = points.map(|point| {
+            let arm = point - surface.center;
+            let arm = match &surface.form {
+                Form::Sphere => arm,
+                Form::Cylinder(axis) => axis.reject(arm),
+            };
+            arm.scale(1.0 / arm.norm_squared().sqrt())
+        });
+        let middle = arms[0] + arms[1];
+        let length = middle.norm_squared().sqrt();
+        let Some(hint) = surface.side else {
+            let is_opposite = length < 2.0 * UNCLEAR && matches!(surface.form, Form::Cylinder(_));
+            let message =
+                format!("strand `{strand}` might pass its cylinder on either side, {place}");
+            let warning = Diagnostic::warning("unclear-side", span, message)
+                .label("both ways round are almost equally short");
+            return is_opposite.then(|| {
+                warning.help("say on which side it passes: `side = y`, from the axis to the strand")
+            });
+        };
+        let hint = match &surface.form {
+            Form::Sphere => hint,
+            Form::Cylinder(axis) => axis.reject(hint),
+        };
+        let cosine = hint.dot(middle).abs() / (length * hint.norm_squared().sqrt());
+        // Half way round, both sides are equally long, and the hint alone decides.
+        if cosine >= UNCLEAR || length < 1e-3 {
+            return None;
+        }
+        let message =
+            format!("`side` does not tell on which side strand `{strand}` passes, {place}");
+        let warning = Diagnostic::warning("unclear-side", span, message)
+            .label("it is almost at right angles to both ways round");
+        Some(warning.help("point it from the centre to the middle of the strand's way"))
+    }
+}

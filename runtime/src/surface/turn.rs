@@ -1,0 +1,100 @@
+//! The planar part of a way: how it turns about the centre, and whether it touches.
+
+use super::{Form, Surface};
+use crate::vector::Vec3;
+use handc_core::scalar::{Comparison, Scalar};
+
+/// The turn about the centre in the plane across the axis, or that of the two points.
+pub(super) struct Turn<S> {
+    /// The points in that plane.
+    pub(super) points: [Vec3<S>; 2],
+    /// Their squares p², q².
+    pub(super) squares: [S; 2],
+    /// Tangents T.
+    pub(super) tangents: [S; 2],
+    /// 1 or −1: whether the way turns about the axis or p × q, or against it.
+    pub(super) sign: S,
+    /// pq·sin θ, below zero for more than half a turn.
+    pub(super) sine: S,
+    /// pq·cos θ.
+    pub(super) cosine: S,
+    /// Not below zero where the strand does not touch; not a number where a point is inside.
+    pub(super) free: S,
+    /// T_p + T_q + rφ.
+    pub(super) length: S,
+}
+
+impl<S: Scalar> Turn<S> {
+    /// `then` where the strand does not touch, else `otherwise`; the latter for what is not a number.
+    #[inline]
+    pub(super) fn choose(&self, then: S, otherwise: S) -> S {
+        S::select(Comparison::LessEqual, S::zero(), self.free, then, otherwise)
+    }
+    #[inline]
+    pub(super) fn choose_vector(&self, then: Vec3<S>, otherwise: Vec3<S>) -> Vec3<S> {
+        Vec3([0, 1, 2].map(|i| self.choose(then.0[i], otherwise.0[i])))
+    }
+}
+
+impl<S: Scalar> Surface<S> {
+    /// Turns from the first point to the second, both in the link's axes.
+    pub(super) fn turn(&self, points: [Vec3<S>; 2]) -> Turn<S> {
+        let (zero, one) = (S::zero(), S::one());
+        let points = points.map(|point| point - self.center);
+        let (points, plain) = match &self.form {
+            Form::Sphere => (points, points[0].cross(points[1]).norm_squared().sqrt()),
+            Form::Cylinder(axis) => {
+                let points = points.map(|point| axis.reject(point));
+                (points, axis.triple(points[0], points[1]))
+            }
+        };
+        let squares = points.map(|point| point.norm_squared());
+        let sign = match (&self.form, self.side) {
+            (Form::Sphere, None) => one,
+            (Form::Cylinder(_), None) => S::select(Comparison::Less, plain, zero, -one, one),
+            // m·d has the sign of d·(p/‖p‖ + q/‖q‖) if θ < π, and against the turn that of
+            // (a × d)·(q/‖q‖ − p/‖p‖). Squares that keep their sign need no root.
+            (form, Some(side)) => {
+                let (toward, first) = match form {
+                    Form::Sphere => (side, -one),
+                    Form::Cylinder(axis) => (axis.cross(side), one),
+                };
+                let [p, q] = points.map(|point| toward.dot(point));
+                let [p, q] = [p * p.abs() * squares[1] * first, q * q.abs() * squares[0]];
+                S::select(Comparison::Less, q, p, -one, one)
+            }
+        };
+        let sine = match (&self.form, self.side) {
+            (Form::Sphere, None) => plain,
+            (Form::Cylinder(_), None) => plain.abs(),
+            _ => sign * plain,
+        };
+        let cosine = points[0].dot(points[1]);
+        let square = self.radius * self.radius;
+        let tangents = squares.map(|p| (p - square).sqrt());
+        // (r − iT_p)(r − iT_q) = real − i·imaginary.
+        let real = square - tangents[0] * tangents[1];
+        let tangent = tangents[0] + tangents[1];
+        let imaginary = self.radius * tangent;
+        let along = cosine * real + sine * imaginary;
+        let across = sine * real - cosine * imaginary;
+        // 0 ≤ φ < 2π where the strand touches.
+        let angle = (-across).atan2(-along) + S::constant(std::f64::consts::PI);
+        // A strand that turns by less than half a turn touches if φ > 0; by more, always.
+        let free = match self.side {
+            None => -across,
+            Some(_) => S::select(Comparison::LessEqual, zero, sine, -across, -one),
+        };
+        let length = tangent + self.radius * angle;
+        Turn { points, squares, tangents, sign, sine, cosine, free, length }
+    }
+
+    /// The two ends of a turn: u_p = (T_p p − r n×p)/p², u_q = (T_q q + r n×q)/q².
+    pub(super) fn directions(&self, turn: &Turn<S>, ahead: [Vec3<S>; 2]) -> [Vec3<S>; 2] {
+        let radii = [-self.radius, self.radius];
+        [0, 1].map(|i| {
+            let toward = turn.points[i].scale(turn.tangents[i]) + ahead[i].scale(radii[i]);
+            toward.scale(turn.squares[i].recip())
+        })
+    }
+}
