@@ -25,7 +25,7 @@ macro_rules! sources {
 const SOURCES: &[(&str, &str)] = sources![
     "array" "ensemble/mod" "ensemble/results" "ensemble/spread" "error" "follow" "frequency"
     "lane/mod" "lane/sine" "lane/sweep" "lane/x4" "lanes/lengths" "lanes/mod" "lanes/step"
-    "layout" "lib" "linalg" "lookup" "math" "model" "motion" "newton" "predict" "runner"
+    "layout" "lib" "linalg" "lookup" "math" "model" "motion" "newton" "passage" "predict" "runner"
     "scalar" "shape" "simulation" "solve" "start" "statics" "step/attempt" "step/lanes" "step/mod"
     "step/report" "suggest" "together" "trajectory"
 ];
