@@ -57,7 +57,7 @@ pub(super) fn half_static(context: &Context, found: &mut Vec<Diagnostic>) {
                 "half-static",
                 strand.name.span,
                 format!(
-                    "`{}` makes `{}` quasi-static, but {} moves with it and has inertia",
+                    "`{}` makes `{}` quasi-static, but not {}, where the same matter moves",
                     strand.name.text,
                     context.name(coordinate),
                     others.join(", ")
@@ -105,7 +105,9 @@ pub(super) fn held(context: &Context, found: &mut Vec<Diagnostic>) -> bool {
         scenario.drives.iter().for_each(|(c, _)| otherwise[*c as usize] = true);
     }
     let mut all = true;
-    for c in (0..n).filter(|&c| !by_mass[c] && !otherwise[c]) {
+    // Nodes are looked at on their own.
+    let is_node = |c: usize| mechanism.coordinates[c].is_node;
+    for c in (0..n).filter(|&c| !by_mass[c] && !otherwise[c] && !is_node(c)) {
         all = false;
         let name = context.name(c);
         let joint = &context.model.joints[context.model.coordinates[c].joint.index()];
