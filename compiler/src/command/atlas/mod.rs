@@ -167,7 +167,8 @@ fn ranges(
     if limits.is_none() {
         return Vec::new();
     }
-    if wanted.is_empty() && reader.complaints.is_empty() {
+    let is_right = reader.complaints.is_empty() && !reader.mechanism.strands.is_empty();
+    if wanted.is_empty() && is_right {
         reader.complain(
             "no joint of the model has limits: give ranges with `--joint JOINT=LO:HI`".to_string(),
         );
