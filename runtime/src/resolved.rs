@@ -211,8 +211,21 @@ pub struct ResolvedCoordinate<S> {
     pub damping: Option<S>,
     /// Stiffness and rest, if any.
     pub spring: Option<(S, S)>,
-    /// Stiffness, low and high of elastic limits, if any.
-    pub stops: Option<(S, S, S)>,
+    /// Elastic limits, if any.
+    pub stops: Option<Stops<S>>,
+}
+
+/// Elastic limits of a coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stops<S> {
+    /// Stiffness beyond them.
+    pub stiffness: S,
+    /// The lower one.
+    pub low: S,
+    /// The upper one.
+    pub high: S,
+    /// Width over which they begin, if they begin smoothly.
+    pub width: Option<S>,
 }
 
 /// All numbers of a mechanism over one scalar type.
@@ -494,9 +507,12 @@ impl<S: Scalar> Resolved<S> {
         (!is_free).then(|| ResolvedCoordinate {
             damping: some(c.damping),
             spring: some(c.stiffness).map(|k| (k, self.number(c.rest))),
-            stops: some(c.limit_stiffness)
-                .zip(c.limits)
-                .map(|(k, [low, high])| (k, self.number(low), self.number(high))),
+            stops: some(c.limit_stiffness).zip(c.limits).map(|(stiffness, [low, high])| Stops {
+                stiffness,
+                low: self.number(low),
+                high: self.number(high),
+                width: some(c.limit_width),
+            }),
         })
     }
 }

@@ -237,6 +237,7 @@ impl Lowering<'_> {
             rest: self.number_or_zero(&c.rest),
             limits: c.limits.as_ref().map(|[low, high]| [self.number(low), self.number(high)]),
             limit_stiffness: self.number_or_zero(&c.limit_stiffness),
+            limit_width: self.number_or_zero(&c.limit_width),
             drive: c.drive.as_ref().map(|drive| self.program(drive)),
             is_node: self.model.joints[c.joint.index()].kind == hir::JointKind::Node,
         }

@@ -6,6 +6,7 @@ use crate::emit::{Output, Place};
 use crate::graph::{Leaf, Sym};
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
+use handc_runtime::mechanism::Law;
 use handc_runtime::structure::Structure;
 
 /// The results of a kernel as outputs to `array`, labelled by `label`; zeros are left out where the
@@ -39,6 +40,7 @@ fn sentence(opening: &str, items: Vec<String>) -> Option<String> {
 /// Kernels of the whole model.
 pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
     let mut tasks = strands(symbols);
+    tasks.push(commands(symbols));
     tasks.extend(clearances(symbols));
     tasks.extend(constraints(symbols));
     tasks.push(potential(symbols));
@@ -191,6 +193,22 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
             outputs("arms", arms.into_iter().enumerate(), false, |slot| name(slot / count)),
         ),
     ]
+}
+
+/// Commanded tensions, if there are any.
+fn commands(symbols: &Symbols) -> Task {
+    let strands = &symbols.mechanism.strands;
+    let is_commanded = |s: &usize| matches!(strands[*s].law, Law::Tension(_));
+    let commanded: Vec<usize> = (0..strands.len()).filter(is_commanded).collect();
+    let mut found = vec![Sym::zero(); strands.len()];
+    symbols.mechanics().commands(&mut symbols.workspace(), &symbols.at(), &mut found);
+    let values = commanded.into_iter().map(|s| (s, found[s]));
+    Task {
+        module: Module::Strands,
+        name: "commands",
+        doc: vec!["Commanded tensions (N).".to_owned()],
+        outputs: outputs("tensions", values, true, |s| strands[s].name.clone()),
+    }
 }
 
 /// How far surfaces are from being impassable, if strands wrap any.

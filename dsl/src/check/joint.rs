@@ -10,8 +10,17 @@ use crate::dimension::Dimension;
 use crate::hir::{self, Coordinate, CoordinateId, JointId, JointKind, MotionKind, Name, Vector};
 use crate::source::Span;
 
-const OPTIONS: [&str; 8] =
-    ["start", "velocity", "damping", "stiffness", "rest", "limits", "limit_stiffness", "drive"];
+const OPTIONS: [&str; 9] = [
+    "start",
+    "velocity",
+    "damping",
+    "stiffness",
+    "rest",
+    "limits",
+    "limit_stiffness",
+    "limit_width",
+    "drive",
+];
 
 impl<'a> Checker<'a> {
     pub(super) fn finish_joints(&mut self) -> (Vec<hir::Joint>, Vec<Coordinate>) {
@@ -171,6 +180,7 @@ impl<'a> Checker<'a> {
                 rest: None,
                 limits: None,
                 limit_stiffness: None,
+                limit_width: None,
                 drive: None,
             })
             .collect()

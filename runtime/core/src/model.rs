@@ -96,6 +96,10 @@ pub trait Model {
     /// Lengths of all strands (m), length s.
     fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]);
 
+    /// Commanded tensions at a midpoint (N), length s; those of strands with another law are not
+    /// written.
+    fn commands(&mut self, _at: &Midpoint, _tensions: &mut [f64]) {}
+
     /// How far each surface is from being impassable (m), three numbers each: how far the point before
     /// it and the point behind it are outside, and, on a sphere that the strand touches, how far its
     /// centre is from the line between them, less 10⁻⁹ of the radius. Where one is negative or not a

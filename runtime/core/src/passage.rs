@@ -1,9 +1,10 @@
-//! Which strand cannot pass its surface, and why: asked when a run cannot begin or a step fails.
+//! Which strand cannot pass its surface or is to push, and why: asked when a run cannot begin or a step
+//! fails.
 //!
-//! A point inside a surface leaves the strand's length without a value, so that a step there fails
-//! by itself; this finds the strand to name.
+//! A point inside a surface leaves the strand's length without a value, and a command below zero its
+//! tension, so that a step there fails by itself; this finds the strand to name.
 
-use crate::model::Model;
+use crate::model::{Midpoint, Model};
 
 /// Numbers that a model tells of each surface ([`Model::clearances`]).
 pub const CLEARANCES: usize = 3;
@@ -15,6 +16,19 @@ pub(crate) struct Blocked {
     pub(crate) what: String,
     /// What to try.
     pub(crate) hint: &'static str,
+}
+
+/// The strand that is commanded to push most; `None` if every one pulls.
+pub(crate) fn pushing<M: Model>(model: &mut M, at: &Midpoint) -> Option<Blocked> {
+    let mut tensions = vec![0.0; model.layout().strands.len()];
+    model.commands(at, &mut tensions);
+    let pushes = tensions.iter().copied().enumerate().filter(|(_, tension)| *tension < 0.0);
+    let (strand, tension) = pushes.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let name = &model.layout().strands[strand].name;
+    Some(Blocked {
+        what: format!("strand `{name}` is commanded a tension of {tension:.3e} N: it cannot push"),
+        hint: "a command that stays above zero, such as `max(0 N, …)`",
+    })
 }
 
 /// The surface that is worst at q; `None` if all can be passed.

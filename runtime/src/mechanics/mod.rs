@@ -15,6 +15,7 @@ mod friction;
 pub mod inertia;
 pub mod joint;
 mod law;
+mod ramp;
 mod run;
 pub mod segment;
 pub mod strand;

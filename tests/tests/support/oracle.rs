@@ -254,8 +254,15 @@ impl<'a> Oracle<'a> {
             energy += spring(numbers.number(c.stiffness), q - numbers.number(c.rest));
             if let Some([low, high]) = c.limits.map(|l| l.map(|x| numbers.number(x))) {
                 let k = numbers.number(c.limit_stiffness);
-                energy += spring(k, (q - high).max(S::zero()));
-                energy += spring(k, (low - q).max(S::zero()));
+                for excess in [q - high, low - q] {
+                    energy += spring(
+                        k,
+                        match c.limit_width.is_zero() {
+                            true => excess.max(S::zero()),
+                            false => ramp(excess, numbers.number(c.limit_width)),
+                        },
+                    );
+                }
             }
         }
         energy
