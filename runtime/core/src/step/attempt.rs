@@ -3,10 +3,6 @@
 use super::{Attempt, LINEAR_END, MAX_ITERATIONS, STAGNATION, State, Stepper, Surroundings};
 use crate::model::Model;
 
-/// Factors that have brought a residual below this part of it are good: if the next correction fails
-/// to, rounding is why.
-const GOOD_FACTORS: f64 = 0.1;
-
 impl Stepper {
     pub(super) fn attempt<M: Model>(
         &mut self,
@@ -14,11 +10,10 @@ impl Stepper {
         state: &State,
         around: &Surroundings,
     ) -> Attempt {
-        // Factors at hand serve as long as they make a step converge fast enough. They are fresh if
-        // made where the increment is now, and good if they have shown that they are or were made in
-        // this step.
+        // Factors at hand serve as long as they make a step converge fast enough. They are this step's
+        // own if made in it, and fresh if made where the increment is now.
         let mut fresh = self.renewal.begin(around.h);
-        let mut good = fresh;
+        let mut is_own = fresh;
         let start = match fresh {
             true => self.renew(model, state, around),
             false => self.look(model, state, around),
@@ -46,18 +41,21 @@ impl Stepper {
                 self.move_by(fraction);
                 self.evaluate(model, state, around, false);
                 let next = self.merit();
-                // The next correction leaves next²/before of the residual and moves the impulse by
-                // next/before of what this one did.
-                let left = self.linear_end_error(around.h).max(next) * next;
-                if fraction == 1.0 && next > 1.0 && left <= LINEAR_END * before {
+                // The next correction leaves this part of the residual, and of how far the last one
+                // moved the impulse. Of factors made elsewhere one correction says too little.
+                let rate = match is_own {
+                    true => next / before,
+                    false => (next / before).max(before / earlier.max(before)),
+                };
+                let left = self.linear_end_error(around.h).max(next) * rate;
+                if fraction == 1.0 && next > 1.0 && left <= LINEAR_END {
                     self.iterations += 1;
                     self.renewal.end(corrections + 1);
                     self.end_linearly(state, around);
                     return Attempt::Converged;
                 }
-                let is_slow = !(next <= GOOD_FACTORS * before);
-                if is_slow && good && next.is_finite() && self.correction_size(state) <= STAGNATION
-                {
+                let is_slow = is_own && next > 0.1 * before && next.is_finite();
+                if is_slow && self.correction_size(state) <= STAGNATION {
                     // The residual hardly falls and the correction is rounding: the floor.
                     self.renewal.end(corrections);
                     return Attempt::Converged;
@@ -65,7 +63,6 @@ impl Stepper {
                 // Factors that are not fresh are judged below, by more than one correction.
                 if !fresh || next <= 1.0 || next < merit * (1.0 - 1e-4 * fraction) {
                     merit = next;
-                    good |= !is_slow;
                     break;
                 }
                 fraction *= 0.5;
@@ -79,7 +76,8 @@ impl Stepper {
                     self.delta.copy_from_slice(&self.trial);
                     self.lambda.copy_from_slice(&self.trial_lambda);
                 }
-                (fresh, good, corrections, last) = (true, true, 0, f64::NAN);
+                (fresh, is_own) = (true, true);
+                (corrections, last) = (0, f64::NAN);
                 merit = match self.renew(model, state, around) {
                     Ok(merit) => merit,
                     Err(attempt) => return attempt,

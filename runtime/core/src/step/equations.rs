@@ -106,15 +106,15 @@ impl Stepper {
     /// Tolerance of each equation: what rounding of the coordinates does to it, or what is asked
     /// for relative to its momenta, whichever is larger.
     pub(super) fn set_scales(&mut self, state: &State, around: &Surroundings) {
-        self.pull.copy_from_slice(&self.sensitivity);
+        self.bound.copy_from_slice(&self.sensitivity);
         for span in &self.spans {
-            span.add_sizes(&self.g0, &self.lambda, &mut self.pull);
+            span.add_sizes(&self.g0, &self.lambda, &mut self.bound);
         }
         for c in 0..self.per_scale.len() {
             let impulse = 0.5 * around.h * self.force[c];
             let p = state.p[c].abs();
             let asked = p + self.momentum[c].abs() + impulse.abs();
-            let floor = FLOOR * p.max(self.pull[c]);
+            let floor = FLOOR * p.max(self.bound[c]);
             self.per_scale[c] = per(floor.max(self.tolerance * asked));
         }
     }

@@ -110,11 +110,13 @@ pub struct Stepper {
     g1: Vec<f64>,
     gap: Vec<f64>,
     residual: Vec<f64>,
-    /// Dh(q0)ᵀλ; at times its size.
+    /// Dh(q0)ᵀλ.
     pull: Vec<f64>,
     size: Vec<f64>,
     /// Σ|Jᵢⱼ|·size(j) of the matrix at hand.
     sensitivity: Vec<f64>,
+    /// The same and the sizes of the terms of Dh(q0)ᵀλ.
+    bound: Vec<f64>,
     /// 1 over the tolerance of each residual and each gap.
     per_scale: Vec<f64>,
     per_gap: Vec<f64>,
@@ -185,6 +187,7 @@ impl Stepper {
             pull: vec![0.0; n],
             size: vec![0.0; n],
             sensitivity: vec![0.0; n],
+            bound: vec![0.0; n],
             per_scale: vec![0.0; n],
             per_gap: vec![0.0; m],
             newton: vec![0.0; n],
