@@ -7,6 +7,7 @@ use crate::font;
 use crate::save::Picture;
 use crate::ticks::{Axis, drawable, extent};
 use crate::unit::{Scale, Unit};
+use std::collections::BTreeMap;
 
 /// Most columns side by side.
 const COLUMNS: usize = 4;
@@ -20,10 +21,6 @@ const HEADING: f64 = 12.0;
 const BAR: f64 = 56.0;
 /// Size of small text.
 const SMALL: f64 = 6.8;
-/// Patches of colour are about this large (pt).
-const PATCH: f64 = 1.4;
-/// Patches reach into their neighbours, so that no line shows between them.
-const LAP: f64 = 0.35;
 /// Most levels of a scale.
 const LEVELS: usize = 18;
 /// Numbers of a scale that fit beside it.
@@ -135,80 +132,77 @@ impl MapPlot {
         ((WIDTH - 2.0 * MARGIN - LEFT - BAR - BETWEEN * (most - 1.0)) / most).min(WIDEST)
     }
 
-    /// Value of a row's column at fractions of both ranges, between the samples.
-    fn sample(&self, cells: &[f64], fractions: [f64; 2]) -> f64 {
-        let (n, m) = (self.across.values.len(), self.up.values.len());
-        let place = |values: &[f64], fraction: f64| {
-            let last = values.len().saturating_sub(1);
-            let at = values.first().zip(values.last()).map_or(0.0, |(a, b)| a + (b - a) * fraction);
-            let low = values.iter().rposition(|v| *v <= at).unwrap_or(0).min(last.max(1) - 1);
-            let span = values.get(low + 1).map_or(1.0, |next| next - values[low]);
-            (low, ((at - values.get(low).copied().unwrap_or(0.0)) / span).clamp(0.0, 1.0))
+    /// Corners of the cell after value (i, j) on paper, with their drawn values.
+    fn corners(
+        &self,
+        cells: &[f64],
+        frame: &Frame,
+        factor: f64,
+        i: usize,
+        j: usize,
+    ) -> [Corner; 4] {
+        let part = |values: &[f64], i: usize| {
+            let (first, last) = (values[0], values[values.len() - 1]);
+            (values[i] - first) / (last - first)
         };
-        if n < 2 || m < 2 {
-            return f64::NAN;
-        }
-        let ((i, u), (j, v)) =
-            (place(&self.across.values, fractions[0]), place(&self.up.values, fractions[1]));
-        let value = |i: usize, j: usize| cells.get(i * m + j).copied().unwrap_or(f64::NAN);
-        let low = value(i, j) * (1.0 - u) + value(i + 1, j) * u;
-        let high = value(i, j + 1) * (1.0 - u) + value(i + 1, j + 1) * u;
-        low * (1.0 - v) + high * v
+        [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| {
+            let x = frame.left + part(&self.across.values, i) * (frame.right - frame.left);
+            let y = frame.bottom - part(&self.up.values, j) * (frame.bottom - frame.top);
+            ([x, y], cells[i * self.up.values.len() + j] * factor)
+        })
+    }
+
+    /// Whether there is anything between values.
+    fn has_cells(&self, cells: &[f64]) -> bool {
+        let (n, m) = (self.across.values.len(), self.up.values.len());
+        n > 1 && m > 1 && cells.len() >= n * m
     }
 
     fn panel(&self, canvas: &mut dyn Canvas, cells: &[f64], bands: &Bands, frame: &Frame) {
-        let (width, height) = (frame.right - frame.left, frame.bottom - frame.top);
-        let columns = (width / PATCH).ceil() as usize;
-        let rows = (height / PATCH).ceil() as usize;
-        let band_at = |column: usize, row: usize| {
-            let fractions =
-                [(column as f64 + 0.5) / columns as f64, 1.0 - (row as f64 + 0.5) / rows as f64];
-            let value = self.sample(cells, fractions) * bands.scale.factor;
-            drawable(value).then(|| bands.band(value))
-        };
-        for row in 0..rows {
-            let (top, bottom) = (
-                frame.top + height * row as f64 / rows as f64,
-                frame.top + height * (row + 1) as f64 / rows as f64 + LAP,
-            );
-            let mut start = 0;
-            for column in 1..=columns {
-                let last = band_at(start, row);
-                if column < columns && band_at(column, row) == last {
-                    continue;
+        if !self.has_cells(cells) {
+            return;
+        }
+        let mut patches = Patches::new();
+        for j in 0..self.up.values.len() - 1 {
+            // Neighbours of one band are one patch.
+            let mut run: Option<(i64, [Corner; 4])> = None;
+            for i in 0..self.across.values.len() - 1 {
+                let corners = self.corners(cells, frame, bands.scale.factor, i, j);
+                let is_drawable = corners.iter().all(|(_, value)| drawable(*value));
+                let numbers = corners.map(|(_, value)| bands.band(value));
+                let is_even = is_drawable && numbers.iter().all(|number| *number == numbers[0]);
+                match &mut run {
+                    Some((band, patch)) if is_even && *band == numbers[0] => {
+                        (patch[1], patch[2]) = (corners[1], corners[2]);
+                        continue;
+                    }
+                    _ => even(&mut patches, run.take()),
                 }
-                if let Some(band) = last {
-                    let left = frame.left + width * start as f64 / columns as f64;
-                    let right = frame.left + width * column as f64 / columns as f64 + LAP;
-                    let (right, bottom) = (right.min(frame.right), bottom.min(frame.bottom));
-                    let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
-                    canvas.polygon(&corners, bands.color(band), None);
+                if is_even {
+                    run = Some((numbers[0], corners));
+                } else if is_drawable {
+                    uneven(&mut patches, bands, corners);
                 }
-                start = column;
             }
+            even(&mut patches, run);
+        }
+        for (band, polygons) in &patches {
+            let color = bands.color(*band);
+            // A thin outline closes the gaps between neighbours.
+            canvas.polygons(polygons, color, Some(&Stroke::solid(color, 0.3)));
         }
         canvas.lines(&self.zero(cells, frame), &ZERO);
     }
 
     /// The line on which the quantity is zero, by marching squares.
     fn zero(&self, cells: &[f64], frame: &Frame) -> Vec<Vec<Place>> {
-        let (n, m) = (self.across.values.len(), self.up.values.len());
-        let part = |values: &[f64], i: usize| {
-            let (first, last) = (values[0], values[values.len() - 1]);
-            (values[i] - first) / (last - first)
-        };
-        let place = |i: usize, j: usize| {
-            let x = frame.left + part(&self.across.values, i) * (frame.right - frame.left);
-            let y = frame.bottom - part(&self.up.values, j) * (frame.bottom - frame.top);
-            ([x, y], cells[i * m + j])
-        };
         let mut lines = Vec::new();
-        if n < 2 || m < 2 || cells.len() < n * m {
+        if !self.has_cells(cells) {
             return lines;
         }
-        for i in 0..n - 1 {
-            for j in 0..m - 1 {
-                let corners = [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)];
+        for i in 0..self.across.values.len() - 1 {
+            for j in 0..self.up.values.len() - 1 {
+                let corners = self.corners(cells, frame, 1.0, i, j);
                 if corners.iter().any(|(_, value)| !drawable(*value)) {
                     continue;
                 }
@@ -290,6 +284,52 @@ impl MapPlot {
         let style = TextStyle::new(7.6).anchor(Anchor::Middle).upward().color(GREY);
         canvas.text([frame.right + BAR - 6.0, 0.5 * (frame.top + frame.bottom)], &label, &style);
     }
+}
+
+/// A corner of a cell on paper and its value.
+type Corner = (Place, f64);
+
+/// Polygons of each band.
+type Patches = BTreeMap<i64, Vec<Vec<Place>>>;
+
+/// Adds a patch of one band.
+fn even(patches: &mut Patches, run: Option<(i64, [Corner; 4])>) {
+    if let Some((band, corners)) = run {
+        patches.entry(band).or_default().push(corners.map(|(place, _)| place).to_vec());
+    }
+}
+
+/// Adds a cell of several bands, cut at the levels.
+fn uneven(patches: &mut Patches, bands: &Bands, corners: [Corner; 4]) {
+    let numbers = corners.map(|(_, value)| bands.band(value));
+    let (low, high) = (numbers.iter().min(), numbers.iter().max());
+    let (Some(&low), Some(&high)) = (low, high) else { return };
+    for band in low..=high {
+        let level = bands.axis.low + band as f64 * bands.step();
+        let above = cut(&corners, level, 1.0);
+        let between = cut(&above, level + bands.step(), -1.0);
+        if between.len() > 2 {
+            let points = between.iter().map(|(place, _)| *place).collect();
+            patches.entry(band).or_default().push(points);
+        }
+    }
+}
+
+/// The part of a polygon on one side of a level.
+fn cut(corners: &[Corner], level: f64, side: f64) -> Vec<Corner> {
+    let mut kept = Vec::new();
+    for (k, (p, a)) in corners.iter().enumerate() {
+        let (q, b) = corners[(k + 1) % corners.len()];
+        let (over, next) = (side * (a - level), side * (b - level));
+        if over >= 0.0 {
+            kept.push((*p, *a));
+        }
+        if (over >= 0.0) != (next >= 0.0) {
+            let share = over / (over - next);
+            kept.push(([0, 1].map(|c| p[c] + share * (q[c] - p[c])), level));
+        }
+    }
+    kept
 }
 
 impl Picture for MapPlot {

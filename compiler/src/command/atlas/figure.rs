@@ -103,6 +103,17 @@ pub(super) fn map(
     title: String,
     sweep: &Sweep,
 ) -> MapPlot {
+    // What all names begin with goes without saying.
+    let strands = sweep.strands.iter().map(|&s| mechanism.strands[s].name.as_str());
+    let joints = sweep.coordinates.iter().map(|&c| mechanism.coordinates[c].name.as_str());
+    let names: Vec<&str> = joints.chain(strands).collect();
+    let part = names.first().and_then(|name| name.rsplit_once('.')).map(|(part, _)| part);
+    let prefix = part.map_or(String::new(), |part| format!("{part}."));
+    let is_shared = names.iter().all(|name| name.starts_with(&prefix));
+    let short = |name: &str| match is_shared {
+        true => name[prefix.len()..].to_string(),
+        false => name.to_string(),
+    };
     let unit = |c: usize| match posture.is_length(c) {
         true => Unit::Prefixed("m"),
         false => Unit::Angle,
@@ -112,7 +123,7 @@ pub(super) fn map(
         let mut values: Vec<f64> = sweep.instants.iter().map(|(values, _)| values[k]).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
-        MapAxis { label: mechanism.coordinates[c].name.clone(), unit: unit(c), values }
+        MapAxis { label: short(&mechanism.coordinates[c].name), unit: unit(c), values }
     };
     let row = |k: usize| {
         let c = sweep.coordinates[k];
@@ -121,7 +132,7 @@ pub(super) fn map(
             instants.map(|instant| instant.map_or(f64::NAN, |i| i.arms[k][s])).collect()
         };
         MapRow {
-            label: format!("moment arm about {}", mechanism.coordinates[c].name),
+            label: format!("moment arm about {}", short(&mechanism.coordinates[c].name)),
             unit: match posture.is_length(c) {
                 true => Unit::Plain(String::new()),
                 false => Unit::Prefixed("m"),
@@ -133,7 +144,7 @@ pub(super) fn map(
         title,
         across: axis(0),
         up: axis(1),
-        names: sweep.strands.iter().map(|&s| mechanism.strands[s].name.clone()).collect(),
+        names: sweep.strands.iter().map(|&s| short(&mechanism.strands[s].name)).collect(),
         rows: vec![row(0), row(1)],
     }
 }
