@@ -512,6 +512,7 @@ fn a_grid_holds_both_arms() {
     let text = here.read("g.csv");
     assert!(text.starts_with("a,b,strand,length,moment_arm.a,moment_arm.b,tension\n"), "{text}");
     assert_eq!(text.lines().count(), 1 + 49);
+    assert!(here.read("g.svg").contains("moment arm about b") && here.size("g.png") > 1000);
     // A row of the grid is the sweep at that value of the other joint.
     done(
         &here,
@@ -735,5 +736,5 @@ fn the_guide_shows_what_is_made() {
             pictures += 1;
         }
     }
-    assert_eq!(pictures, 4);
+    assert_eq!(pictures, 5);
 }

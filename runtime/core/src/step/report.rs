@@ -1,6 +1,6 @@
 //! What is said of a step that could not be taken.
 
-use super::{Attempt, State, Stepper, Surroundings, ratio};
+use super::{Attempt, State, Stepper, Surroundings};
 use crate::error::{StepError, StepErrorKind};
 use crate::model::{Midpoint, Model};
 use crate::passage::{self, Blocked};
@@ -21,6 +21,7 @@ impl Stepper {
         // Evaluate where the step began, so that the numbers reported are the model's own.
         self.guess(2, state, around);
         self.evaluate(model, state, around, true);
+        self.set_sensitivities(state);
         self.set_scales(state, around);
         let layout = model.layout();
         let mut worst = (0.0, String::from("none"), 0.0);
@@ -33,11 +34,11 @@ impl Stepper {
         for block in &self.blocks {
             for &c in &block.coordinates {
                 let r = self.residual[c];
-                keep(ratio(r, self.scale[c]), &layout.coordinates[c].name, r);
+                keep(r.abs() * self.per_scale[c], &layout.coordinates[c].name, r);
             }
             for &row in &block.rows {
                 let gap = self.gap[row];
-                keep(ratio(gap, self.row_scale[row]), &layout.rows[row].name, gap);
+                keep(gap.abs() * self.per_gap[row], &layout.rows[row].name, gap);
             }
         }
         let mut hints = Vec::new();
