@@ -18,6 +18,7 @@
 //! A point inside the surface has no tangent: T is the root of a negative number, and x is not a
 //! number. Over a sphere, points opposite each other have no plane, and x no derivative.
 
+mod trace;
 mod turn;
 
 use crate::resolved::Axis;

@@ -203,3 +203,28 @@ fn inside_is_not_a_number() {
     assert!(way.length.is_finite() && way.ends[0].direction.0[0].is_nan());
     assert!(surface.clearances([outside, -outside])[2] < 0.0);
 }
+
+/// The pieces that are drawn add up to the length, and end where the last tangent begins.
+#[test]
+fn traces_follow_the_way() {
+    let mut noise = Noise(21);
+    let mut count = 0;
+    for trial in 0..400 {
+        let (surface, points) = draw(&mut noise, trial % 4);
+        let trace = surface.trace(points, 2000);
+        let (way, turn) = (surface.way(points), surface.turn(points));
+        assert_eq!(trace.is_empty(), way.cross_straight != 0.0);
+        if trace.is_empty() || surface.clearances(points)[2] < 1e-3 {
+            continue;
+        }
+        count += 1;
+        let distance = |a: Vec3<f64>, b: Vec3<f64>| (b - a).norm_squared().sqrt();
+        let mut sum = distance(points[0], trace[0]) + distance(trace[1999], points[1]);
+        sum += trace.windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
+        assert!((sum - way.length).abs() < 1e-5, "{sum} {}", way.length);
+        let level = turn.length / way.length;
+        let last = points[1] - way.ends[1].direction.scale(turn.tangents[1] / level);
+        assert!(distance(last, trace[1999]) < 1e-9);
+    }
+    assert!(count > 100);
+}
