@@ -136,8 +136,8 @@ fn pose(at: &mut Beginning, q: Vec<f64>, with_force: bool) -> Pose {
 
 /// Whether a hint lies within 60 degrees of the middle of one of the ways round: nearer to a right
 /// angle the two programs may take different ways.
-fn is_clear(surface: &Surface<f64>, ends: [Vec3<f64>; 2]) -> bool {
-    let Some(side) = surface.side else { return true };
+fn is_clear(surface: &Surface<f64>, side: Option<Vec3<f64>>, ends: [Vec3<f64>; 2]) -> bool {
+    let Some(side) = side else { return true };
     let flat = |v: Vec3<f64>| match &surface.form {
         Form::Sphere => v,
         Form::Cylinder(axis) => axis.reject(v),
@@ -159,9 +159,11 @@ fn bends(strand: &Strand, poses: &[Transform<f64>], numbers: &Resolved<f64>) -> 
             let world = place(&strand.points[wrap.gap as usize + k]);
             wrap.center.link.map_or(world, |link| poses[link as usize].inverse_point(world))
         });
-        let length = numbers.surface(wrap).length(ends);
+        let surface = numbers.surface(strand, wrap);
+        let length = surface.length(ends);
         let chord = (ends[1] - ends[0]).norm_squared().sqrt();
-        if length.is_nan() || !is_clear(&numbers.surface(wrap), ends) {
+        if length.is_nan() || !is_clear(&surface, wrap.side.map(|side| numbers.vector(&side)), ends)
+        {
             return None;
         }
         count += usize::from(length > chord);

@@ -3,7 +3,7 @@
 use super::Exporter;
 use super::law::{reads, varies};
 use super::xml::Element;
-use handc_runtime::mechanism::{Law, Wrap};
+use handc_runtime::mechanism::{Law, Strand, Wrap};
 use handc_runtime::surface::Form;
 use handc_runtime::vector::{Mat3, Transform};
 
@@ -29,7 +29,7 @@ impl Exporter<'_> {
                 let site = self.site(&format!("{name}.{}", number + 1), point);
                 path.push(Element::new("site").with("site", site));
                 if let Some(wrap) = strand.wrap(number) {
-                    path.push(self.wrap(&format!("{name}.{}", number + 1), wrap));
+                    path.push(self.wrap(&format!("{name}.{}", number + 1), strand, wrap));
                 }
             }
             // A length below zero would mean "the length at zero coordinates".
@@ -65,8 +65,8 @@ impl Exporter<'_> {
     }
 
     /// A geom to be wrapped, with a site on the side on which the tendon passes.
-    fn wrap(&mut self, name: &str, wrap: &Wrap) -> Element {
-        let surface = self.numbers.surface(wrap);
+    fn wrap(&mut self, name: &str, strand: &Strand, wrap: &Wrap) -> Element {
+        let surface = self.numbers.surface(strand, wrap);
         let geom_name = self.geom_names.take(&format!("{name}.surface"));
         let radius = surface.radius;
         // It is only wrapped: nothing collides with it, and its mass is not read.
@@ -86,7 +86,8 @@ impl Exporter<'_> {
         };
         self.sites[wrap.center.link.map_or(0, |link| link as usize + 1)].push(geom);
         let element = Element::new("geom").with("geom", geom_name);
-        let Some(side) = surface.side else { return element };
+        let Some(side) = &wrap.side else { return element };
+        let side = self.numbers.vector(side);
         // Inside the surface it would ask for a tendon that passes within.
         let mut toward = match &surface.form {
             Form::Sphere => side,

@@ -12,7 +12,6 @@
 
 use super::segment::{Order, Segments};
 use super::{Mechanics, Workspace};
-use crate::mechanism::Wrap;
 use crate::structure::SegmentPath;
 use crate::surface::Surface;
 use crate::vector::Vec3;
@@ -77,22 +76,21 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// How far every surface is from being impassable at q (m), three numbers each
+    /// How far every surface is from being impassable at q, [`CLEARANCES`] numbers each
     /// ([`Surface::clearances`]).
     pub fn clearances(&self, workspace: &mut Workspace<S>, q: &[S], clearances: &mut [S]) {
         self.prepare(workspace, q);
         self.world_links(workspace, q, |_| true);
-        let wraps = self.mechanism.strands.iter().flat_map(|strand| {
-            let points = |wrap: &Wrap| [0, 1].map(|k| strand.points[wrap.gap as usize + k]);
-            strand.wraps.iter().map(move |wrap| (wrap, points(wrap)))
-        });
-        for ((wrap, points), found) in wraps.zip(clearances.chunks_mut(CLEARANCES)) {
+        let strands = self.mechanism.strands.iter();
+        let wraps = strands.flat_map(|s| s.wraps.iter().map(move |wrap| (s, wrap)));
+        for ((strand, wrap), found) in wraps.zip(clearances.chunks_mut(CLEARANCES)) {
             let world_from_link = self.world_from(workspace, wrap.center.link);
-            let points = points.map(|point| {
+            let points = [0, 1].map(|k| {
+                let point = &strand.points[wrap.gap as usize + k];
                 let world = self.world_from(workspace, point.link);
                 world_from_link.inverse_point(world.point(self.numbers.vector(&point.position)))
             });
-            found.copy_from_slice(&self.numbers.surface(wrap).clearances(points));
+            found.copy_from_slice(&self.numbers.surface(strand, wrap).clearances(points));
         }
     }
 }

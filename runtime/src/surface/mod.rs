@@ -11,13 +11,13 @@
 //! two straight lines). φ is one angle of a product of three complex numbers,
 //! (cos θ + i sin θ)(r − iT_p)(r − iT_q), so that no inverse cosine loses digits.
 //!
-//! Side: let d be the hint and m the direction midway between p and q along the way. Of the two ways
-//! round the one with m·d ≥ 0 is taken, so that the strand stays on its side as long as m stays
-//! within a right angle of d. Without a hint it is the shorter way.
+//! Which way round is decided where the model starts and kept ([`Sense`]), so that nothing jumps.
 //!
 //! A point inside the surface has no tangent: T is the root of a negative number, and x is not a
 //! number. Over a sphere, points opposite each other have no plane, and x no derivative.
 
+mod resolve;
+mod sense;
 mod trace;
 mod turn;
 
@@ -25,6 +25,7 @@ use crate::resolved::Axis;
 use crate::vector::Vec3;
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
+pub use sense::Sense;
 use turn::Turn;
 
 /// The form of a surface with its numbers.
@@ -45,8 +46,9 @@ pub struct Surface<S> {
     pub center: Vec3<S>,
     /// Its radius (m).
     pub radius: S,
-    /// Unit vector to the side on which the strand passes, if it is told.
-    pub side: Option<Vec3<S>>,
+    /// Which way round the strand passes; `None`: always the shorter one, as over a sphere, where a
+    /// strand slides to it.
+    pub sense: Option<Sense<S>>,
 }
 
 /// A way with what its derivatives are made of.
@@ -92,8 +94,9 @@ impl<S: Scalar> Surface<S> {
         turn.choose(straight, hypotenuse(turn.length, advance))
     }
 
-    /// How far the points are outside, and how far the centre of a sphere that is touched is from the
-    /// line between them, less 10⁻⁹ of the radius (m).
+    /// How far the points are outside, how far the centre of a sphere that is touched is from the line
+    /// between them, less 10⁻⁹ of the radius (m); and what is below zero where the sense is lost
+    /// ([`Sense`]), in no unit.
     pub fn clearances(&self, points: [Vec3<S>; 2]) -> [S; CLEARANCES] {
         let turn = self.turn(points);
         let [before, behind] = turn.squares.map(|p| p.sqrt() - self.radius);
@@ -105,7 +108,7 @@ impl<S: Scalar> Surface<S> {
                 turn.choose(self.radius, turn.sine.abs() / distance - least)
             }
         };
-        [before, behind, off]
+        [before, behind, off, turn.sure]
     }
 
     /// The way between two points in the link's axes, with its derivatives.

@@ -148,7 +148,7 @@ impl<'a> Placed<'a> {
             let ends = [point, &strand.points[gap + 1]].map(|point| self.point(point));
             let [Some(first), Some(second)] = ends else { continue };
             let ends = [first, second].map(|end| place.inverse_point(Vec3(end)));
-            let trace = self.skeleton.numbers.surface(wrap).trace(ends, ARC);
+            let trace = self.skeleton.numbers.surface(strand, wrap).trace(ends, ARC);
             path.extend(trace.into_iter().map(|local| place.point(local).0));
         }
         path
@@ -156,11 +156,12 @@ impl<'a> Placed<'a> {
 
     /// The surfaces that strands wrap, each once.
     fn surfaces(&self) -> Vec<Solid> {
-        let wraps = self.skeleton.mechanism.strands.iter().flat_map(|strand| &strand.wraps);
+        let strands = self.skeleton.mechanism.strands.iter();
+        let wraps = strands.flat_map(|strand| strand.wraps.iter().map(move |wrap| (strand, wrap)));
         let mut solids: Vec<Solid> = Vec::new();
-        for wrap in wraps {
+        for (strand, wrap) in wraps {
             let Some(place) = self.link(wrap.center.link) else { continue };
-            let surface = self.skeleton.numbers.surface(wrap);
+            let surface = self.skeleton.numbers.surface(strand, wrap);
             let (center, radius) = (surface.center, surface.radius);
             let solid = match &surface.form {
                 Form::Sphere => Solid::Ball { center: place.point(center).0, radius },
