@@ -1,9 +1,9 @@
 //! A segment over a surface, in the axes of the link that carries it.
 //!
-//! With u, b, κ and c of the way's ends ([`Way`]), r the motion of the end on its side by a joint and
-//! s that of the point at 1/κ behind it, were it carried by the joint too,
+//! With u, b, κ and c of the way's ends ([`Way`]), w the (signed) axis of a joint and r the motion of
+//! the end on its side by its coordinate,
 //!
-//! x_j = u·r_j,  x_jk = κ(s_j·r_k − x_j x_k) + c(b·r_j)(b·r_k)
+//! x_j = u·r_j,  x_jk = κ(r_j·r_k − x_j x_k) + (u × w_j)·r_k + c(b·r_j)(b·r_k)
 //!
 //! for joints on one side, j the one nearer the surface; for joints on both,
 //! x_jk = `cross_straight`·(r_j·r_k + x_j x_k) + `cross_bent`·(b_p·r_j)(b_q·r_k).
@@ -47,7 +47,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         let start = out.length_dq.len();
         for (i, crossing) in crossings.iter_mut().enumerate() {
             let end = &way.ends[side(i)];
-            crossing.arrive(-end.direction.scale(end.reach));
+            crossing.arrive(Vec3::zero());
             out.length_dq.push(end.direction.dot(crossing.motion));
         }
         if order != Order::Second {
@@ -58,12 +58,13 @@ impl<S: Scalar> Mechanics<'_, S> {
         for (i, nearer) in crossings.iter().enumerate() {
             let end = &way.ends[side(i)];
             let bent = end.binormal.dot(nearer.motion);
+            let turning = nearer.turning(end.direction) + nearer.motion.scale(end.curvature);
             for (j, outer) in crossings[..=i].iter().enumerate() {
                 let other = &way.ends[side(j)];
                 let bends = bent * other.binormal.dot(outer.motion);
                 let product = length_dq[i] * length_dq[j];
                 let square = if side(i) == side(j) {
-                    end.curvature * (nearer.other.dot(outer.motion) - product) + end.excess * bends
+                    turning.dot(outer.motion) - end.curvature * product + end.excess * bends
                 } else {
                     way.cross_straight * (nearer.motion.dot(outer.motion) + product)
                         + way.cross_bent * bends

@@ -80,13 +80,4 @@ impl<S: Scalar> Surface<S> {
         };
         Turn { points, squares, tangents, sign, sine, cosine, free, length, sure }
     }
-
-    /// The two ends of a turn: u_p = (T_p p − r n×p)/p², u_q = (T_q q + r n×q)/q².
-    pub(super) fn directions(&self, turn: &Turn<S>, ahead: [Vec3<S>; 2]) -> [Vec3<S>; 2] {
-        let radii = [-self.radius, self.radius];
-        [0, 1].map(|i| {
-            let toward = turn.points[i].scale(turn.tangents[i]) + ahead[i].scale(radii[i]);
-            toward.scale(turn.squares[i].recip())
-        })
-    }
 }
