@@ -134,17 +134,23 @@ fn pose(at: &mut Beginning, q: Vec<f64>, with_force: bool) -> Pose {
     Pose { q, bends, lengths, arms, mass, force }
 }
 
-/// Whether a hint lies within 60 degrees of the middle of one of the ways round: nearer to a right
-/// angle the two programs may take different ways.
+/// Whether a strand that touches a surface lies within 37 degrees of the hint, or goes the shorter way
+/// without one: else MuJoCo, which knows nothing of the start, may take another way.
 fn is_clear(surface: &Surface<f64>, side: Option<Vec3<f64>>, ends: [Vec3<f64>; 2]) -> bool {
-    let Some(side) = side else { return true };
     let flat = |v: Vec3<f64>| match &surface.form {
         Form::Sphere => v,
         Form::Cylinder(axis) => axis.reject(v),
     };
     let unit = |v: Vec3<f64>| v.scale(1.0 / v.norm_squared().sqrt());
-    let [p, q] = ends.map(|end| unit(flat(end - surface.center)));
-    unit(flat(side)).dot(unit(p + q)).abs() > 0.5
+    let [_, middle, _] = surface.trace(ends, 3)[..] else { return true };
+    let middle = unit(flat(middle - surface.center));
+    match side {
+        Some(side) => unit(flat(side)).dot(middle) > 0.8,
+        None => {
+            let [p, q] = ends.map(|end| unit(flat(end - surface.center)));
+            middle.dot(p + q) > 0.0
+        }
+    }
 }
 
 /// How many surfaces a strand touches; `None` if a point is inside one, or its side is unclear.
