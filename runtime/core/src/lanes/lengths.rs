@@ -45,15 +45,18 @@ impl LaneVisitor for LaneLengths<'_, '_> {
             runs.len(),
             places,
             constants,
-            |jobs, used, constants| {
-                call(LengthVector::<Sh, N, M, Q, S, U> {
-                    runs,
-                    places,
-                    jobs,
-                    used,
-                    constants,
-                    shape: PhantomData,
-                })
+            |width, jobs, used, constants| {
+                call(
+                    width,
+                    LengthVector::<Sh, N, M, Q, S, U> {
+                        runs,
+                        places,
+                        jobs,
+                        used,
+                        constants,
+                        shape: PhantomData,
+                    },
+                )
             },
         );
     }

@@ -7,14 +7,14 @@
 mod lengths;
 mod step;
 
-use crate::lane::WIDEST;
+use crate::lane::{WIDEST, available};
 use crate::shape::{Place, Shape};
 pub(crate) use lengths::LaneLengths;
 use std::sync::atomic::{AtomicU64, Ordering};
 pub(crate) use step::{LaneRun, LaneStep};
 
 /// Runs that go together at most.
-pub const RUNS: usize = 4;
+pub const RUNS: usize = 8;
 
 /// A run and a block for every lane.
 type Jobs = [(usize, usize); WIDEST];
@@ -87,7 +87,7 @@ impl<'b> Schedule<'b> {
         Schedule { constants, next_vector: 0, fresh, unavailable: false }
     }
 
-    /// Hands every vector of a shape's jobs to `work`: jobs, how many count, and constants.
+    /// Hands every vector of a shape's jobs to `work`: lanes, jobs, how many count, and constants.
     #[inline(always)]
     fn vectors<
         'c,
@@ -102,24 +102,27 @@ impl<'b> Schedule<'b> {
         runs: usize,
         places: &[Place<Q, S, U>],
         constants: impl Fn(usize) -> &'c [f64],
-        mut work: impl FnMut(&Jobs, usize, &[f64]) -> bool,
+        mut work: impl FnMut(usize, &Jobs, usize, &[f64]) -> bool,
     ) {
         let lanes = runs * places.len();
         let mut first = 0;
         while first < lanes && !self.unavailable {
             let mut jobs = [(0, 0); WIDEST];
-            let used = WIDEST.min(lanes - first);
-            for (lane, job) in jobs.iter_mut().enumerate() {
+            let left = lanes - first;
+            let width = if left > 4 && available() == 8 { 8 } else { 4 };
+            let used = width.min(left);
+            for (lane, job) in jobs.iter_mut().enumerate().take(width) {
                 // Lanes that are left over repeat the last job.
                 let number = first + lane.min(used - 1);
                 *job = (number % runs, number / runs);
             }
             if self.fresh {
                 let size = &self.constants.size;
-                let made = vector::<Sh, N, M, Q, S, U>(&jobs, size, places, &constants);
+                let made = vector::<Sh, N, M, Q, S, U>(&jobs[..width], size, places, &constants);
                 self.constants.vectors.push(made);
             }
-            self.unavailable = !work(&jobs, used, &self.constants.vectors[self.next_vector]);
+            let constants = &self.constants.vectors[self.next_vector];
+            self.unavailable = !work(width, &jobs, used, constants);
             self.next_vector += 1;
             first += used;
         }
@@ -136,12 +139,12 @@ fn vector<
     const S: usize,
     const U: usize,
 >(
-    jobs: &Jobs,
+    jobs: &[(usize, usize)],
     size: &[f64],
     places: &[Place<Q, S, U>],
     constants: &impl Fn(usize) -> &'c [f64],
 ) -> Vec<f64> {
-    let mut vector = Vec::with_capacity((Sh::CONSTANTS + N) * WIDEST);
+    let mut vector = Vec::with_capacity((Sh::CONSTANTS + N) * jobs.len());
     for k in 0..Sh::CONSTANTS {
         vector.extend(jobs.iter().map(|&(run, block)| constants(run)[block * Sh::CONSTANTS + k]));
     }

@@ -70,15 +70,18 @@ impl LaneVisitor for LaneStep<'_, '_> {
             runs.len(),
             places,
             constants,
-            |jobs, used, constants| {
-                call(StepVector::<Sh, N, M, Q, S, U> {
-                    runs,
-                    places,
-                    jobs,
-                    used,
-                    constants,
-                    shape: PhantomData,
-                })
+            |width, jobs, used, constants| {
+                call(
+                    width,
+                    StepVector::<Sh, N, M, Q, S, U> {
+                        runs,
+                        places,
+                        jobs,
+                        used,
+                        constants,
+                        shape: PhantomData,
+                    },
+                )
             },
         );
     }

@@ -95,7 +95,7 @@ impl Lu {
             6 => self.factor_small::<6>(&mut pivots),
             n if n < LANES_FROM => self.eliminate(&mut pivots, eliminate_row),
             _ => {
-                if !call(Factor { lu: &mut *self, pivots: &mut pivots }) {
+                if !call(4, Factor { lu: &mut *self, pivots: &mut pivots }) {
                     self.eliminate(&mut pivots, eliminate_row);
                 }
             }
@@ -115,7 +115,7 @@ impl Lu {
             6 => self.solve_small::<6>(x),
             n if n < LANES_FROM => self.substitute::<f64>(x),
             _ => {
-                if !call(Solve { lu: &mut *self, x }) {
+                if !call(4, Solve { lu: &mut *self, x }) {
                     self.substitute::<f64>(x);
                 }
             }
