@@ -17,11 +17,12 @@ mod renewal;
 mod report;
 
 use crate::error::StepError;
-use crate::lanes::LaneConstants;
+use crate::lanes::{Courses, Kinds, Lanes};
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
-use crate::predict::{Differences, Predictor};
+use crate::predict::{DEGREES, Differences, Predictor};
 use crate::solve::{BlockSystem, Span, spans};
+use lanes::OnLanes;
 use renewal::Renewal;
 
 /// Gaps of constraints below this many units of rounding of the coordinates are closed.
@@ -57,13 +58,13 @@ pub struct State {
     /// Multipliers of the step just ended (impulses).
     pub lambda: Vec<f64>,
     /// Of which Newton's start is made.
-    differences: Differences,
+    pub(crate) differences: Differences,
 }
 
 impl State {
     /// A state at time zero.
     pub fn new(q: Vec<f64>, p: Vec<f64>, v: Vec<f64>, rows: usize) -> Self {
-        let differences = std::array::from_fn(|_| vec![0.0; q.len()]);
+        let differences = vec![0.0; DEGREES * q.len()];
         State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], differences }
     }
 }
@@ -130,13 +131,11 @@ pub struct Stepper {
     driven_list: Vec<usize>,
     /// The coordinates in static equilibrium, by index.
     static_list: Vec<usize>,
-    /// Whether every block is free of constraints and of drives, so that lanes can take the step.
-    on_lanes: bool,
+    on_lanes: OnLanes,
     /// Which entries of the constraint Jacobian there are; unknown before the first step.
     spans: Vec<Span>,
     structure_seen: bool,
     renewal: Renewal,
-    lane_constants: LaneConstants,
 }
 
 /// How an attempt from one guess ended.
@@ -163,10 +162,15 @@ impl Stepper {
         let statics = layout.statics(driven);
         let blocks: Vec<BlockSystem> =
             layout.blocks.iter().map(|b| BlockSystem::new(b, driven, &statics)).collect();
+        let is_static = (0..n).map(|c| statics.contains(&c)).collect();
+        let lanes = Lanes::new(Kinds { size: floor_scale.clone(), is_static });
+        let is_free = layout.rows.is_empty()
+            && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c]));
+        let predictor = Predictor::new(&floor_scale, driven);
         Stepper {
             blocks,
             driven: driven.to_vec(),
-            floor_scale: floor_scale.clone(),
+            floor_scale,
             tolerance,
             iterations: 0,
             delta: vec![0.0; n],
@@ -195,15 +199,13 @@ impl Stepper {
             block_step: vec![0.0; n],
             block_lambda: vec![0.0; m],
             condition: f64::NAN,
-            predictor: Predictor::new(&floor_scale, driven),
+            predictor,
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
             static_list: statics,
-            on_lanes: layout.rows.is_empty()
-                && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
+            on_lanes: OnLanes::new(lanes, is_free),
             spans: Vec::new(),
             structure_seen: false,
             renewal: Renewal::new(0.0),
-            lane_constants: LaneConstants::new(floor_scale),
         }
     }
 
@@ -214,9 +216,20 @@ impl Stepper {
         state: &mut State,
         around: &Surroundings,
     ) -> Result<(), StepError> {
-        if self.on_lanes && self.step_on_lanes(model, state, around) {
+        let nothing_follows = Courses { poses: &[], motions: &[] };
+        if self.step_on_lanes(model, state, around, nothing_follows) {
             return Ok(());
         }
+        self.step_by_numbers(model, state, around)
+    }
+
+    /// As [`Stepper::step`], without lanes.
+    pub(crate) fn step_by_numbers<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &mut State,
+        around: &Surroundings,
+    ) -> Result<(), StepError> {
         let before = self.iterations;
         self.see_structure(model, state);
         if !self.lambda.is_empty() {
