@@ -7,6 +7,7 @@
 
 mod expression;
 mod mass;
+mod muscle;
 mod scenario;
 
 use crate::graph::{self, Leaf, Sym};
@@ -16,7 +17,8 @@ use handc_dsl::source::{SourceMap, Span};
 use handc_runtime::expression::{Function, Own, Program};
 use handc_runtime::mechanism::{
     Constraint, ConstraintKind, Coordinate, Force, Frame, Friction, Input, Law, Link, Mechanism,
-    Motion, Number, NumberTransform, NumberVector, Param, Point, Strand, SurfaceForm, Torque, Wrap,
+    Motion, Number, NumberTransform, NumberVector, Param, Point, Role, Strand, SurfaceForm, Torque,
+    Wrap,
 };
 use handc_runtime::vector::{Mat3, Transform, Vec3};
 use std::collections::HashMap;
@@ -83,6 +85,7 @@ impl Lowering<'_> {
         mechanism.frames = (0..model.frames.len()).map(|i| self.frame(i)).collect();
         mechanism.bodies = model.masses.iter().map(|mass| self.body(mass)).collect();
         mechanism.strands = model.strands.iter().map(|strand| self.strand(strand)).collect();
+        muscle::begin(&mut mechanism);
         mechanism.constraints = model.constraints.iter().map(|c| self.constraint(c)).collect();
         mechanism.torques = model.torques.iter().map(|torque| self.torque(torque)).collect();
         mechanism.forces = model.forces.iter().map(|force| self.force(force)).collect();
@@ -212,6 +215,9 @@ impl Lowering<'_> {
             hir::MotionKind::Revolute => Motion::Revolute { axis },
             hir::MotionKind::Prismatic => Motion::Prismatic { axis },
             hir::MotionKind::Screw { pitch } => Motion::Screw { axis, pitch: self.number(pitch) },
+            hir::MotionKind::Fibre | hir::MotionKind::Activation => {
+                unreachable!("coordinates of muscles move no link")
+            }
         }
     }
 
@@ -228,8 +234,11 @@ impl Lowering<'_> {
         Coordinate {
             name: c.name.text.clone(),
             source: self.source(c.name.span),
-            doc: self.model.joints[c.joint.index()].name.doc.clone(),
-            is_length: c.motion == hir::MotionKind::Prismatic,
+            doc: match c.owner {
+                hir::Owner::Joint(joint) => self.model.joints[joint.index()].name.doc.clone(),
+                hir::Owner::Muscle(strand) => self.model.strands[strand.index()].name.doc.clone(),
+            },
+            is_length: matches!(c.motion, hir::MotionKind::Prismatic | hir::MotionKind::Fibre),
             start: self.number(&c.start),
             velocity: self.number(&c.velocity),
             damping: self.number_or_zero(&c.damping),
@@ -238,7 +247,14 @@ impl Lowering<'_> {
             limits: c.limits.as_ref().map(|[low, high]| [self.number(low), self.number(high)]),
             limit_stiffness: self.number_or_zero(&c.limit_stiffness),
             drive: c.drive.as_ref().map(|drive| self.program(drive)),
-            is_node: self.model.joints[c.joint.index()].kind == hir::JointKind::Node,
+            role: match (c.owner, &c.motion) {
+                (_, hir::MotionKind::Fibre) => Role::Fibre,
+                (hir::Owner::Muscle(_), _) => Role::Activation,
+                (hir::Owner::Joint(joint), _) => {
+                    let is_node = self.model.joints[joint.index()].kind == hir::JointKind::Node;
+                    if is_node { Role::Node } else { Role::Joint }
+                }
+            },
         }
     }
 
@@ -281,6 +297,7 @@ impl Lowering<'_> {
                     Law::Tension(self.function(tension))
                 }
                 hir::Law::Prescribed(_) => Law::Prescribed,
+                hir::Law::Muscle(muscle) => Law::Muscle(Box::new(self.muscle(muscle))),
             },
             damping: self.number_or_zero(&strand.damping),
             slack: strand.slack.as_ref().map(|width| self.number(width)),

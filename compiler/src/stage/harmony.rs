@@ -113,8 +113,13 @@ fn describe(
     let (mut elements, mut signature) = (Vec::new(), vec![coordinates.len() as i64]);
     for &c in coordinates {
         let coordinate = &mechanism.coordinates[c];
-        let link = structure.link_of[c] as usize;
-        elements.extend([Element::Coordinate(c), Element::Link(link)]);
+        elements.push(Element::Coordinate(c));
+        let Some(link) = structure.link_of[c] else {
+            signature.extend([-6, coordinate.role as i64]);
+            continue;
+        };
+        let link = link as usize;
+        elements.push(Element::Link(link));
         let motion = match mechanism.links[link].motion {
             Motion::Revolute { .. } => 0,
             Motion::Prismatic { .. } => 1,
@@ -136,6 +141,7 @@ fn describe(
                 Law::Energy(_) => 1,
                 Law::Tension(_) => 2,
                 Law::Prescribed => 3,
+                Law::Muscle(_) => 4,
             };
             let options = [strand.slack.is_some(), strand.friction.is_some()].map(i64::from);
             signature.extend([-3, law, options[0], options[1]]);
@@ -196,8 +202,10 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
                 list.push(&mut wrap.radius);
                 list.extend(wrap.side.iter_mut().flatten());
             }
-            if let Law::Linear { stiffness } = &mut strand.law {
-                list.push(stiffness);
+            match &mut strand.law {
+                Law::Linear { stiffness } => list.push(stiffness),
+                Law::Muscle(muscle) => list.extend(muscle.numbers_mut()),
+                Law::Energy(_) | Law::Tension(_) | Law::Prescribed => {}
             }
             list.push(&mut strand.damping);
             list.extend(&mut strand.slack);

@@ -5,6 +5,7 @@
 //! has converged, a lane that is done is held still, and if any lane needs a shorter step, another
 //! guess or pivoting, the step is given back to be taken there.
 
+use crate::internal::RATE;
 use crate::lane::Lane;
 use crate::shape::{Local, Shape};
 use crate::step::{FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
@@ -34,6 +35,8 @@ pub(crate) struct Start<L, const N: usize, const Q: usize, const S: usize, const
     pub(crate) inputs: [L; U],
     /// Least size of each coordinate for tolerances (1 rad or the model's length).
     pub(crate) size: [L; N],
+    /// What past steps add to the rates of internal coordinates.
+    pub(crate) past: [L; N],
     /// Relative tolerance on momenta.
     pub(crate) tolerance: L,
 }
@@ -70,17 +73,21 @@ fn merit<L: Lane, const N: usize>(r: &[L; N], per_scale: &[L; N]) -> (L, u8) {
     (largest, sum.less(L::splat(f64::INFINITY)))
 }
 
-/// Puts the midpoint where the increment leads.
+/// Puts the midpoint where the increment leads; `internal` are internal coordinates.
 #[inline(always)]
 fn put_at<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usize>(
     local: &mut Local<L, Q, S, U>,
     start: &Start<L, N, Q, S, U>,
     delta: &[L; Q],
     per_h: L,
+    internal: &[usize],
 ) {
     for i in 0..Q {
         local.q[i] = L::splat(0.5).mul_add(delta[i], start.q[i]);
         local.v[i] = delta[i] * per_h;
+    }
+    for &i in internal {
+        local.v[i] = L::splat(RATE).mul_add(local.v[i], start.past[i]);
     }
 }
 
@@ -128,7 +135,7 @@ pub(crate) fn newton<
     let mut done = 0;
     for _ in 0..MATRICES {
         let mut matrix = [zero; M];
-        put_at(&mut local, start, &end.delta, per_h);
+        put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
         Sh::evaluate_with_matrix(&local, constants, &mut at.momentum, &mut at.force, &mut matrix);
         at.balance(start, half_h);
         let per_scale = per_scales(start, &at, half_h, &matrix);
@@ -149,7 +156,7 @@ pub(crate) fn newton<
                 end.delta[i] = L::choose(done, end.delta[i], end.delta[i] - correction[i]);
             }
             let force_before = at.force;
-            put_at(&mut local, start, &end.delta, per_h);
+            put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
             Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
             at.balance(start, half_h);
             let (next, finite) = merit(&at.r, &per_scale);

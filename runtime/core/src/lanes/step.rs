@@ -23,6 +23,8 @@ pub(crate) struct LaneRun<'a> {
     pub(crate) h: f64,
     /// Relative tolerance on momenta.
     pub(crate) tolerance: f64,
+    /// What past steps add to the rates of internal coordinates.
+    pub(crate) past: &'a [f64],
     /// Guess of the increment, replaced by the increment.
     pub(crate) delta: &'a mut [f64],
     /// Receives the force at the midpoint.
@@ -130,6 +132,7 @@ impl<
             rest: [zero; S],
             inputs: [zero; U],
             size: [zero; N],
+            past: [zero; N],
             tolerance: zero,
         };
         let lanes = self.jobs.map(|(run, block)| (&self.runs[run], &self.places[block]));
@@ -148,6 +151,9 @@ impl<
         for i in 0..N {
             start.p[i] = of!(run, place: run.p[place.coordinates[i]]);
             start.size[i] = L::load(&sizes[i * L::WIDTH..]);
+        }
+        for &i in Sh::INTERNAL {
+            start.past[i] = of!(run, place: run.past[place.coordinates[i]]);
         }
         for i in 0..S {
             start.rest[i] = of!(run, place: run.rest[place.strands[i]]);

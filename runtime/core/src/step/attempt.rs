@@ -4,6 +4,7 @@ use super::{
     Attempt, FLOOR, GAP_FLOOR, KEEP_FACTORS, LINEAR_END, MAX_ITERATIONS, STAGNATION, State,
     Stepper, Surroundings, ratio,
 };
+use crate::internal;
 use crate::model::{Midpoint, Model};
 
 impl Stepper {
@@ -95,6 +96,9 @@ impl Stepper {
             self.q_mid[i] = state.q[i] + 0.5 * self.delta[i];
             self.v_mid[i] = self.delta[i] / h;
             self.q1[i] = state.q[i] + self.delta[i];
+        }
+        for &c in &self.internal_list {
+            self.v_mid[c] = internal::RATE * self.delta[c] / h + self.past[c];
         }
         let at = Midpoint {
             q: &self.q_mid,

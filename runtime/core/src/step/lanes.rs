@@ -37,6 +37,7 @@ impl Stepper {
             t: 0.5 * (state.t + around.t1),
             h: around.h,
             tolerance: self.tolerance,
+            past: &self.past,
             delta: &mut self.delta,
             force: &mut self.force,
             iterations: 0,

@@ -7,14 +7,17 @@
 //!
 //! with p = ∂L/∂q̇ and f = ∂L/∂q + F; then p1 = p + (h/2)·f, which the last evaluation already
 //! holds. A coordinate that moves no mass has p = 0 and so f = 0: its value at the middle of the step
-//! is the unknown that balances the forces there, and is what the state keeps of it. Newton starts from the polynomial through the last configurations whose degree has lately
-//! foretold the motion best, so that a smooth motion needs one iteration.
+//! is the unknown that balances the forces there, and is what the state keeps of it. If its rate
+//! matters it is an [internal variable](crate::internal) with a rate of its own kind. Newton starts
+//! from the polynomial through the last configurations whose degree has lately foretold the motion
+//! best, so that a smooth motion needs one iteration.
 
 mod attempt;
 mod lanes;
 mod report;
 
 use crate::error::StepError;
+use crate::internal;
 use crate::lanes::LaneConstants;
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
@@ -45,7 +48,8 @@ pub struct State {
     pub step: usize,
     /// Time (s).
     pub t: f64,
-    /// Coordinates; those in static equilibrium at the middle of the step just ended.
+    /// Coordinates; those in static equilibrium and internal ones at the middle of the step just
+    /// ended.
     pub q: Vec<f64>,
     /// Discrete momenta; zero for kinematic and driven coordinates.
     pub p: Vec<f64>,
@@ -62,6 +66,11 @@ impl State {
     pub fn new(q: Vec<f64>, p: Vec<f64>, v: Vec<f64>, rows: usize) -> Self {
         let differences = std::array::from_fn(|_| vec![0.0; q.len()]);
         State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], differences }
+    }
+
+    /// Increment of a coordinate in the step just ended.
+    pub(crate) fn last_increment(&self, c: usize) -> f64 {
+        self.differences[0][c]
     }
 }
 
@@ -120,6 +129,10 @@ pub struct Stepper {
     driven_list: Vec<usize>,
     /// The coordinates in static equilibrium, by index.
     static_list: Vec<usize>,
+    /// The internal ones.
+    internal_list: Vec<usize>,
+    /// What past steps add to the rates of internal coordinates; zero for others.
+    past: Vec<f64>,
     /// Whether every block is free of constraints and of drives, so that lanes can take the step.
     on_lanes: bool,
     structure_seen: bool,
@@ -143,7 +156,7 @@ impl Stepper {
             .coordinates
             .iter()
             .map(|c| match c.kind {
-                CoordinateKind::Angle => 1.0,
+                CoordinateKind::Angle | CoordinateKind::Ratio => 1.0,
                 CoordinateKind::Length => layout.length_scale,
             })
             .collect();
@@ -182,6 +195,8 @@ impl Stepper {
             predictor: Predictor::new(&floor_scale, driven),
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
             static_list: layout.statics(driven),
+            internal_list: layout.internals(driven),
+            past: vec![0.0; n],
             on_lanes: layout.rows.is_empty()
                 && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
             structure_seen: false,
@@ -221,11 +236,17 @@ impl Stepper {
     }
 
     /// Puts coordinates in static equilibrium where the forces balance: at the middle of the step,
-    /// where the equation was solved, and not beyond it. They carry no momentum.
+    /// where the equation was solved, and not beyond it; internal ones likewise. They carry no
+    /// momentum.
     fn rest_statics(&self, state: &mut State, h: f64) {
         for &c in &self.static_list {
             state.q[c] -= 0.5 * self.delta[c];
             state.v[c] = 0.5 * self.delta[c] / h;
+            state.p[c] = 0.0;
+        }
+        for &c in &self.internal_list {
+            state.q[c] -= 0.5 * self.delta[c];
+            state.v[c] = internal::RATE * self.delta[c] / h + self.past[c];
             state.p[c] = 0.0;
         }
     }
@@ -241,6 +262,9 @@ impl Stepper {
     }
 
     fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
+        for &c in &self.internal_list {
+            self.past[c] = internal::past(state, c, around.h);
+        }
         let rate = match number {
             0 if state.step >= 2 => {
                 self.predictor.guess(state.step, &state.differences, &mut self.delta);
