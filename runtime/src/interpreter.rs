@@ -12,8 +12,8 @@ use crate::structure::Structure;
 use crate::vector::Transform;
 use handc_core::lanes::next_revision;
 use handc_core::layout::{
-    ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Muscle, Quantity, ScenarioLayout, Strand,
-    Wrap,
+    ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Muscle, Quantity, ScenarioLayout,
+    Strand, Wrap,
 };
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;

@@ -44,7 +44,7 @@ fn coordinate(name: &str, start: f64) -> Coordinate {
         limits: None,
         limit_stiffness: Number::ZERO,
         drive: None,
-        is_node: false,
+        role: Role::Joint,
     }
 }
 

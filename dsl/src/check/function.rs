@@ -273,7 +273,8 @@ impl<'a> Checker<'a> {
         };
         let index = self.strand(scope, path)?;
         if name.starts_with("fibre") && !self.muscles.iter().any(|m| m.strand == index) {
-            let message = format!("`{name}` takes a muscle: `{}` is none", self.sources.slice(path.span));
+            let message =
+                format!("`{name}` takes a muscle: `{}` is none", self.sources.slice(path.span));
             self.report(Diagnostic::error("not-a-muscle", argument.span, message));
             return None;
         }

@@ -148,7 +148,8 @@ impl<'a> Checker<'a> {
         for muscle in &self.muscles {
             let owner = Owner::Muscle(hir::StrandId(muscle.strand as u32));
             let name = &self.strands[muscle.strand].name;
-            let parts = [(MotionKind::Fibre, Dimension::LENGTH), (MotionKind::Activation, Dimension::NONE)];
+            let parts =
+                [(MotionKind::Fibre, Dimension::LENGTH), (MotionKind::Activation, Dimension::NONE)];
             for (part, (motion, dimension)) in parts.into_iter().enumerate() {
                 let index = muscle.fibre + part;
                 let text = self.coordinate_names[index].clone();

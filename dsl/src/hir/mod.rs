@@ -19,7 +19,8 @@ pub use load::{
 };
 pub use scenario::{Follow, Motion, Pose, Record, Scenario};
 pub use tree::{
-    Amount, Coordinate, Frame, Joint, JointKind, Mass, MassKind, MotionKind, Owner, Placement, Rotation,
+    Amount, Coordinate, Frame, Joint, JointKind, Mass, MassKind, MotionKind, Owner, Placement,
+    Rotation,
 };
 
 use crate::dimension::Dimension;

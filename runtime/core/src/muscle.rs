@@ -38,7 +38,8 @@ pub(crate) fn out_of_range<M: Model>(
             true => ("activation", a),
             false => ("excitation", inputs[muscle.excitation]),
         };
-        is_out(share).then(|| format!("the {what} of muscle `{name}` is {share}, not between 0 and 1"))
+        is_out(share)
+            .then(|| format!("the {what} of muscle `{name}` is {share}, not between 0 and 1"))
     })
 }
 

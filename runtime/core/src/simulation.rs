@@ -468,7 +468,8 @@ impl<M: Model> Simulation<M> {
         self.seen_v.copy_from_slice(&self.state.v);
         if self.state.step > 0 {
             for (_, muscle) in self.layout.muscles() {
-                for c in [muscle.fibre, muscle.activation].into_iter().filter(|&c| !self.driven[c]) {
+                for c in [muscle.fibre, muscle.activation].into_iter().filter(|&c| !self.driven[c])
+                {
                     self.seen_v[c] = (self.seen_q[c] - self.state.q[c]) / (0.5 * self.h);
                 }
             }

@@ -23,7 +23,7 @@ pub(super) const SHORTENING: f64 = 0.25;
 const TOE_FORCE: f64 = 0.33;
 /// Exponent of the toe.
 const TOE_SHAPE: f64 = 3.0;
-/// Half the width over which corners are joined, in parts of the strain at the largest force.
+/// How far from a corner its pieces are joined, in parts of the strain at the largest force.
 const JOIN: f64 = 0.1;
 /// Fibres shorter than this resist.
 const SHORTEST: f64 = 0.5;
@@ -107,9 +107,10 @@ static TENDON: LazyLock<Tendon> = LazyLock::new(|| {
     let end = growth / (1.0 - TOE_FORCE + growth);
     let slope = (1.0 - TOE_FORCE) / (1.0 - end);
     let toe = Toe::new(TOE_FORCE, end, TOE_SHAPE);
-    let from = end - JOIN;
-    let line = [TOE_FORCE + slope * JOIN, slope, 0.0];
-    let join = Blend::new((from, toe.jet(from)), (2.0 * JOIN, line));
+    // Half as far beyond the end as before it: so the stiffness nowhere exceeds that of the line.
+    let (from, beyond) = (end - JOIN, 0.5 * JOIN);
+    let line = [TOE_FORCE + slope * beyond, slope, 0.0];
+    let join = Blend::new((from, toe.jet(from)), (JOIN + beyond, line));
     Tendon { toe, join, slope }
 });
 

@@ -148,8 +148,8 @@ impl<S: Scalar> ResolvedMuscle<S> {
             (isometric * lengthening.value, isometric * lengthening.slope * per_scale);
         let power = -(force * velocity);
         let by_length = a * active.slope * lengthening.value + passive.slope;
-        let by_activation =
-            active.value * (lengthening.value - (a * per_scale).scale(0.75) * scaled * lengthening.slope);
+        let by_activation = active.value
+            * (lengthening.value - (a * per_scale).scale(0.75) * scaled * lengthening.slope);
         force += passive.value;
         let mut dissipation = S::zero();
         if let Some(damping) = self.damping {
