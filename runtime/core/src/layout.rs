@@ -164,6 +164,13 @@ impl Layout {
         let is_internal = |&c: &usize| self.coordinates[c].is_internal && !driven[c];
         (0..self.coordinates.len()).filter(is_internal).collect()
     }
+    /// Coordinates that move no mass and are not driven, by index: in static equilibrium or internal.
+    pub fn massless(&self, driven: &[bool]) -> Vec<usize> {
+        let is_massless = |&c: &usize| {
+            (self.coordinates[c].is_static || self.coordinates[c].is_internal) && !driven[c]
+        };
+        (0..self.coordinates.len()).filter(is_massless).collect()
+    }
     /// Strands that are muscles: name and where their numbers stand.
     pub fn muscles(&self) -> impl Iterator<Item = (&str, &Muscle)> {
         self.strands.iter().filter_map(|s| Some((s.name.as_str(), s.muscle.as_ref()?)))

@@ -84,7 +84,12 @@ impl Statics {
     }
 
     /// Those of a block that are `wanted`, if there are any.
-    fn group(&self, layout: &Layout, block: usize, wanted: impl Fn(usize) -> bool) -> Option<Group> {
+    fn group(
+        &self,
+        layout: &Layout,
+        block: usize,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Option<Group> {
         let all = layout.blocks[block].coordinates.iter().copied().enumerate();
         let members: Vec<_> = all.filter(|&(_, c)| wanted(c)).collect();
         let has_internal = members.iter().any(|&(_, c)| self.is_internal[c]);
@@ -130,14 +135,21 @@ impl Statics {
     ) -> Result<(), (usize, f64)> {
         let groups = std::mem::take(&mut self.groups);
         self.middle.copy_from_slice(q);
-        let mut ends = groups.iter().map(|group| self.settle_group(model, q, 0.5 * h, group, given));
+        let mut ends =
+            groups.iter().map(|group| self.settle_group(model, q, 0.5 * h, group, given));
         let outcome = ends.find(Result::is_err).unwrap_or(Ok(()));
         self.groups = groups;
         outcome
     }
 
     /// Rates of the internal coordinates at q, into `v`; as they are where none balances them.
-    pub(crate) fn rates<M: Model>(&mut self, model: &mut M, q: &[f64], v: &mut [f64], given: Given) {
+    pub(crate) fn rates<M: Model>(
+        &mut self,
+        model: &mut M,
+        q: &[f64],
+        v: &mut [f64],
+        given: Given,
+    ) {
         let layout = model.layout().clone();
         for block in 0..layout.blocks.len() {
             let Some(group) = self.group(&layout, block, |c| self.is_internal[c]) else { continue };
@@ -210,7 +222,8 @@ impl Statics {
         // With this step the Newton matrix is the derivative by q where internal rates follow it.
         let step_size = if group.has_internal { (2.0 * RATE * ahead).min(LONG_STEP) } else { 4.0 };
         let mut force = self.look(model, q, (ahead, step_size), group, given);
-        let (mut follow, mut idle) = (FIRST_FOLLOW, 0);
+        // Internal variables come from near.
+        let (mut follow, mut idle) = (if group.has_internal { 0.0 } else { FIRST_FOLLOW }, 0);
         for _ in 0..MAX_ITERATIONS {
             if force.iter().all(|f| *f == 0.0) {
                 return Ok(());

@@ -45,13 +45,14 @@ impl<S: Scalar> Mechanics<'_, S> {
             let fibres = numbers.fibres(s, at.v[fibre], a);
             let rate = numbers.activation(at.inputs[muscle.excitation as usize], a);
             terms.force[fibre] += tendon.value - fibres.force;
-            terms.force[activation] += rate.value - at.v[activation];
+            let action = numbers.action();
+            terms.force[activation] += action * (rate.value - at.v[activation]);
             let Some((h, _)) = terms.matrix else { continue };
             let (quarter, half) = (h.scale(0.25), S::constant(0.5 * RATE));
             let [by_s, by_rate, by_a] = fibres.by;
             let own = -(quarter * (tendon.slope + by_s) + half * by_rate);
             self.add_entry(fibre, fibre, own, terms);
-            self.add_entry(activation, activation, quarter * rate.slope - half, terms);
+            self.add_entry(activation, activation, action * (quarter * rate.slope - half), terms);
             self.add_entry(fibre, activation, -(quarter * by_a), terms);
             let path = &self.structure.strands[index];
             let length_dq = &workspace.strand.length_dq[path.span.clone()];

@@ -48,6 +48,9 @@ pub struct ResolvedMuscle<S> {
     damping: Option<S>,
     /// 1 over the time constants of activation and deactivation (1/s).
     per_time: [S; 2],
+    /// F₀ l₀ times the time constant of activation (J·s): makes the equation of the activation one of
+    /// works, so that it stands beside those of lengths.
+    action: S,
 }
 
 /// What the fibres do: their force along the tendon and its derivatives.
@@ -88,6 +91,9 @@ impl<S: Scalar> ResolvedMuscle<S> {
             passive_strain: [passive, passive.recip()],
             eccentric: number(muscle.eccentric_force),
             damping: some(muscle.fibre_damping),
+            action: number(muscle.max_force)
+                * number(muscle.optimal_fibre)
+                * number(muscle.activation_time),
             per_time: [muscle.activation_time, muscle.deactivation_time].map(|t| number(t).recip()),
         }
     }
@@ -181,6 +187,11 @@ impl<S: Scalar> ResolvedMuscle<S> {
             power: power * to_power,
             dissipation: dissipation * to_power,
         }
+    }
+
+    /// F₀ l₀ τ₁ (J·s), by which the equation of the activation is multiplied.
+    pub fn action(&self) -> S {
+        self.action
     }
 
     /// Rate ȧ of the activation (1/s) at an excitation, and its slope by the activation:

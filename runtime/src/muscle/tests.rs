@@ -135,6 +135,7 @@ fn muscle() -> ResolvedMuscle<f64> {
         eccentric: 1.4,
         damping: Some(0.05),
         per_time: [1.0 / 0.015, 1.0 / 0.05],
+        action: 60.0 * 0.066 * 0.015,
     }
 }
 
@@ -154,6 +155,7 @@ fn muscle_dual() -> ResolvedMuscle<Dual<f64>> {
         eccentric: c(m.eccentric),
         damping: m.damping.map(c),
         per_time: m.per_time.map(c),
+        action: c(m.action),
     }
 }
 

@@ -349,7 +349,8 @@ impl<'a> Oracle<'a> {
                 // All of the tension goes another way than the potential's gradient says.
                 let numbers: Resolved<Dual<f64>> = self.numbers();
                 let (length, rest) = (Dual::variable(lengths[i]), Dual::fixed(at.rest[i]));
-                let whole = tension + self.strand_energy(&numbers, i, &fixed(at.q), (length, rest)).slope;
+                let whole =
+                    tension + self.strand_energy(&numbers, i, &fixed(at.q), (length, rest)).slope;
                 let gradient = self.sliding(i, at.q, at.v, &self.numbers());
                 for ((sum, arms), g) in force.iter_mut().zip(&arms).zip(gradient) {
                     *sum -= whole * (g - arms[i]);
@@ -411,7 +412,7 @@ impl<'a, S: Scalar> Pieces<'a, S> {
         let pull = active * muscle::velocity(scaled, eccentric) + damping * rate;
         let excitation = at.inputs[self.muscle.excitation as usize];
         let change = muscle::activation(excitation, at.q[a], up, down);
-        [-(force * pull * cosine), change - at.v[a]]
+        [-(force * pull * cosine), force * optimal * up * (change - at.v[a])]
     }
 }
 
