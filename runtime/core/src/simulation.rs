@@ -182,9 +182,13 @@ impl<M: Model> Simulation<M> {
             return Ok(());
         }
         let given = (0.0, &self.rest[..], &self.inputs[..]);
-        // Activations are given, and what the scenario says.
-        let activations = self.layout.muscles().map(|(_, muscle)| muscle.activation);
-        let held: Vec<usize> = activations.chain(started.iter().copied()).collect();
+        // Activations are given, and fibre lengths that the scenario gives.
+        let muscles = self.layout.muscles();
+        let held = muscles.flat_map(|(_, muscle)| {
+            let fibre = Some(muscle.fibre).filter(|fibre| started.contains(fibre));
+            [Some(muscle.activation), fibre]
+        });
+        let held: Vec<usize> = held.flatten().collect();
         let settled = self.statics.rest(&mut self.model, &mut self.state.q, &held, given);
         settled.map_err(|(coordinate, force)| {
             let name = &self.layout.coordinates[coordinate].name;
