@@ -512,6 +512,7 @@ fn a_grid_holds_both_arms() {
     let text = here.read("g.csv");
     assert!(text.starts_with("a,b,strand,length,moment_arm.a,moment_arm.b,tension\n"), "{text}");
     assert_eq!(text.lines().count(), 1 + 49);
+    assert!(here.read("g.svg").contains("moment arm about b") && here.size("g.png") > 1000);
     // A row of the grid is the sweep at that value of the other joint.
     done(
         &here,
@@ -656,6 +657,24 @@ fn all_that_is_wrong_is_told_at_once() {
 }
 
 #[test]
+fn models_without_strands_are_answered_too() {
+    let here = folder("strandless");
+    let text = "model bare {\n    gravity = (0, 0, -9.81) m/s^2;\n    joint q: revolute(y) in world { start = 0.3; }\n    mass m in q { mass = 1 kg; at = (0, 0, -0.5) m; }\n}\n";
+    here.write("bare.hdl", text);
+    assert!(done(&here, &["pose", "bare.hdl"]).contains("stable"));
+    let said = handc(&here, &["pose", "bare.hdl", "--hold"]);
+    assert_eq!(said.code, 3, "{}", said.err);
+    assert!(said.out.contains("no strand turns it that way"), "{}", said.out);
+    assert!(said.out.contains("nearest tensions: none"), "{}", said.out);
+    done(&here, &["pose", "bare.hdl", "--hold", "--start", "q=0"]);
+    for command in [&["atlas", "bare.hdl"][..], &["strength", "bare.hdl", "--at", "q"]] {
+        let said = handc(&here, command);
+        assert_eq!(said.code, 2);
+        assert_eq!(said.err, "error: `bare` has no strands\n");
+    }
+}
+
+#[test]
 fn what_runs_away_is_told() {
     let here = folder("away");
     let loose = FINGER.replace("stiffness = 4e4 N/m", "stiffness = 0 N/m");
@@ -717,5 +736,5 @@ fn the_guide_shows_what_is_made() {
             pictures += 1;
         }
     }
-    assert_eq!(pictures, 4);
+    assert_eq!(pictures, 5);
 }

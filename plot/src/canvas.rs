@@ -90,6 +90,10 @@ pub trait Canvas {
     }
     /// A filled polygon with an outline, if any.
     fn polygon(&mut self, points: &[Place], fill: Color, outline: Option<&Stroke>);
+    /// Several filled polygons of one look.
+    fn polygons(&mut self, polygons: &[Vec<Place>], fill: Color, outline: Option<&Stroke>) {
+        polygons.iter().for_each(|points| self.polygon(points, fill, outline));
+    }
     /// A filled disc with an outline, if any.
     fn disc(&mut self, center: Place, radius: f64, fill: Color, outline: Option<&Stroke>);
     /// A line of text; the place is on its baseline.

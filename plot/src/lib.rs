@@ -15,6 +15,7 @@ mod decimate;
 mod font;
 mod group;
 mod legend;
+pub mod map;
 mod outline;
 mod palette;
 pub mod png;
@@ -31,6 +32,7 @@ pub mod timeplot;
 mod unit;
 mod view;
 
+pub use map::{MapAxis, MapPlot, MapRow};
 pub use polar::{PolarCurve, PolarPlot};
 pub use pose::PoseFigure;
 pub use save::{Picture, save};

@@ -80,9 +80,18 @@ impl Canvas for Svg {
         self.text.push_str("/>\n");
     }
     fn polygon(&mut self, points: &[Place], fill: Color, outline: Option<&Stroke>) {
+        self.polygons(&[points.to_vec()], fill, outline);
+    }
+    fn polygons(&mut self, polygons: &[Vec<Place>], fill: Color, outline: Option<&Stroke>) {
+        if polygons.is_empty() {
+            return;
+        }
         self.text.push_str("<path d=\"");
-        self.path(points);
-        let _ = write!(self.text, "Z\" fill=\"{}\"", hex(fill));
+        for points in polygons {
+            self.path(points);
+            self.text.push('Z');
+        }
+        let _ = write!(self.text, "\" fill=\"{}\"", hex(fill));
         if let Some(outline) = outline {
             self.stroke(outline);
         }

@@ -3,8 +3,8 @@
 use handc_plot::pose::{Pose, PoseFigure, Solid};
 use handc_plot::timeplot::energy;
 use handc_plot::{
-    Curve, Picture, PolarCurve, PolarPlot, Quantity, Sweep, SweepPlot, SweepRow, TimePlot, Unit,
-    table,
+    Curve, MapAxis, MapPlot, MapRow, Picture, PolarCurve, PolarPlot, Quantity, Sweep, SweepPlot,
+    SweepRow, TimePlot, Unit, table,
 };
 use std::path::Path;
 
@@ -131,6 +131,40 @@ fn directions_stay_as_they_are() {
     well_formed(&plot.svg());
     check("rose.svg", &plot.svg());
     assert!(plot.png().expect("a picture").len() > 5_000);
+}
+
+fn field(cells: Vec<f64>) -> MapPlot {
+    let axis = |label: &str| MapAxis {
+        label: label.into(),
+        unit: Unit::Angle,
+        values: vec![-0.5, 0.0, 0.5, 1.0],
+    };
+    MapPlot {
+        title: "field".into(),
+        across: axis("mcp"),
+        up: axis("pip"),
+        names: vec!["deep".into()],
+        rows: vec![MapRow { label: "arm".into(), unit: Unit::Prefixed("m"), cells: vec![cells] }],
+    }
+}
+
+#[test]
+fn maps_stay_as_they_are() {
+    let cells = (0..16).map(|k| 1e-3 * f64::from((k % 4) * 2 + k / 4 - 4)).collect();
+    let plot = field(cells);
+    well_formed(&plot.svg());
+    check("field.svg", &plot.svg());
+    assert!(plot.png().expect("a picture").len() > 5_000);
+    for odd in [f64::NAN, f64::INFINITY, -1e300, 1e-310, 0.0] {
+        for count in [0, 3, 16] {
+            let plot = field(vec![odd; count]);
+            well_formed(&plot.svg());
+            assert!(plot.png().is_ok());
+        }
+        let mut cells = vec![1.0; 16];
+        cells[5] = odd;
+        well_formed(&field(cells).svg());
+    }
 }
 
 #[test]

@@ -201,6 +201,10 @@ impl Model for Interpreter {
         let (mechanics, workspace) = self.mechanics();
         mechanics.strand_lengths(workspace, q, lengths);
     }
+    fn commands(&mut self, at: &Midpoint, tensions: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.commands(workspace, &point(at), tensions);
+    }
     fn clearances(&mut self, q: &[f64], clearances: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();
         mechanics.clearances(workspace, q, clearances);

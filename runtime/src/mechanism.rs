@@ -141,6 +141,8 @@ pub struct Coordinate {
     pub limits: Option<[Number; 2]>,
     /// Stiffness of elastic limits; zero where limits are only a range.
     pub limit_stiffness: Number,
+    /// Width (rad or m) over which elastic limits begin; zero where they begin at once.
+    pub limit_width: Number,
     /// Path as a function of time and parameters: the coordinate is kinematic.
     pub drive: Option<Program>,
     /// What it is of.

@@ -48,6 +48,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
                     rest: Number::ZERO,
                     limits: None,
                     limit_stiffness: Number::ZERO,
+                    limit_width: Number::ZERO,
                     drive: None,
                     role: Role::Joint,
                 });

@@ -5,6 +5,7 @@ use handc_core::model::Model;
 use handc_dsl::diagnostic::Diagnostic;
 use handc_dsl::hir;
 use handc_runtime::expression::Variable;
+use handc_runtime::mechanism::Role;
 use handc_runtime::resolved::Resolved;
 use handc_runtime::structure::Structure;
 
@@ -58,7 +59,7 @@ pub(super) fn half_static(context: &Context, found: &mut Vec<Diagnostic>) {
                 "half-static",
                 strand.name.span,
                 format!(
-                    "`{}` makes `{}` quasi-static, but {} moves with it and has inertia",
+                    "`{}` makes `{}` quasi-static, but not {}, where the same matter moves",
                     strand.name.text,
                     context.name(coordinate),
                     others.join(", ")
@@ -106,7 +107,9 @@ pub(super) fn held(context: &Context, found: &mut Vec<Diagnostic>) -> bool {
         scenario.drives.iter().for_each(|(c, _)| otherwise[*c as usize] = true);
     }
     let mut all = true;
-    for c in (0..n).filter(|&c| !by_mass[c] && !otherwise[c]) {
+    // Nodes are looked at on their own.
+    let is_node = |c: usize| mechanism.coordinates[c].role == Role::Node;
+    for c in (0..n).filter(|&c| !by_mass[c] && !otherwise[c] && !is_node(c)) {
         all = false;
         let name = context.name(c);
         let hir::Owner::Joint(joint) = context.model.coordinates[c].owner else { continue };

@@ -6,6 +6,8 @@
 
 mod body;
 mod coordinate;
+mod law;
+mod node;
 mod pose;
 mod route;
 mod wrap;
@@ -33,7 +35,8 @@ pub fn lint(model: &hir::Model, mechanism: &Mechanism) -> Vec<Diagnostic> {
     body::bodies(&context, &mut found);
     coordinate::limits(&context, &mut found);
     coordinate::half_static(&context, &mut found);
-    let held = coordinate::held(&context, &mut found);
+    let held = node::nodes(&context, &mut found) & coordinate::held(&context, &mut found);
+    law::energies(&mut context, &mut found);
     route::routes(&mut context, &mut found);
     wrap::wraps(&mut context, &mut found);
     if held && !found.iter().any(Diagnostic::is_error) {

@@ -246,6 +246,7 @@ impl Lowering<'_> {
             rest: self.number_or_zero(&c.rest),
             limits: c.limits.as_ref().map(|[low, high]| [self.number(low), self.number(high)]),
             limit_stiffness: self.number_or_zero(&c.limit_stiffness),
+            limit_width: self.number_or_zero(&c.limit_width),
             drive: c.drive.as_ref().map(|drive| self.program(drive)),
             role: match (c.owner, &c.motion) {
                 (_, hir::MotionKind::Fibre) => Role::Fibre,

@@ -127,7 +127,9 @@ fn describe(
         };
         let has_limits = i64::from(coordinate.limits.is_some());
         let parent = local(mechanism.links[link].parent);
-        signature.extend([i64::from(coordinate.is_length), has_limits, motion, parent]);
+        // A width of zero is no width.
+        let is_smooth = i64::from(!coordinate.limit_width.is_zero());
+        signature.extend([i64::from(coordinate.is_length), has_limits, is_smooth, motion, parent]);
     }
     for (b, body) in mechanism.bodies.iter().enumerate().filter(|(_, b)| is_own(b.link)) {
         elements.push(Element::Body(b));
@@ -170,7 +172,8 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
     match element {
         Element::Coordinate(index) => {
             let c = &mut mechanism.coordinates[index];
-            list.extend([&mut c.damping, &mut c.stiffness, &mut c.rest, &mut c.limit_stiffness]);
+            list.extend([&mut c.damping, &mut c.stiffness, &mut c.rest]);
+            list.extend([&mut c.limit_stiffness, &mut c.limit_width]);
             list.extend(c.limits.iter_mut().flatten());
         }
         Element::Link(index) => {

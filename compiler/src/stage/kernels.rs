@@ -7,6 +7,7 @@ use crate::graph::{Leaf, Sym};
 use handc_core::muscle::NUMBERS;
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
+use handc_runtime::mechanism::Law;
 use handc_runtime::structure::Structure;
 
 /// The results of a kernel as outputs to `array`, labelled by `label`; zeros are left out where the
@@ -40,6 +41,7 @@ fn sentence(opening: &str, items: Vec<String>) -> Option<String> {
 /// Kernels of the whole model.
 pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
     let mut tasks = strands(symbols);
+    tasks.push(commands(symbols));
     tasks.extend(clearances(symbols));
     tasks.extend(muscle_numbers(symbols));
     tasks.extend(constraints(symbols));
@@ -195,6 +197,22 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
     ]
 }
 
+/// Commanded tensions, if there are any.
+fn commands(symbols: &Symbols) -> Task {
+    let strands = &symbols.mechanism.strands;
+    let is_commanded = |s: &usize| matches!(strands[*s].law, Law::Tension(_));
+    let commanded: Vec<usize> = (0..strands.len()).filter(is_commanded).collect();
+    let mut found = vec![Sym::zero(); strands.len()];
+    symbols.mechanics().commands(&mut symbols.workspace(), &symbols.at(), &mut found);
+    let values = commanded.into_iter().map(|s| (s, found[s]));
+    Task {
+        module: Module::Strands,
+        name: "commands",
+        doc: vec!["Commanded tensions (N).".to_owned()],
+        outputs: outputs("tensions", values, true, |s| strands[s].name.clone()),
+    }
+}
+
 /// How far surfaces are from being impassable, if strands wrap any.
 fn clearances(symbols: &Symbols) -> Option<Task> {
     let strands = &symbols.mechanism.strands;
@@ -207,9 +225,10 @@ fn clearances(symbols: &Symbols) -> Option<Task> {
     symbols.mechanics().clearances(&mut symbols.workspace(), &symbols.q, &mut found);
     let names: Vec<&String> = wraps().map(|(name, _)| name).collect();
     let list = wraps().map(|(name, wrap)| format!("`{name}` over the {wrap}")).collect();
-    let opening = "How far every surface is from being impassable (m), three numbers each: how far the \
-                   point before it and the point behind it are outside, and, on a sphere that is \
-                   touched, how far its centre is from the line between them.";
+    let opening = "How far every surface is from being impassable, four numbers each: how far the point \
+                   before it and the point behind it are outside (m); on a sphere that is touched, how \
+                   far its centre is from the line between them (m); and what is negative where the \
+                   strand would jump to the other side.";
     let about = sentence("Surfaces", list).into_iter().flat_map(|line| [String::new(), line]);
     Some(Task {
         module: Module::Strands,

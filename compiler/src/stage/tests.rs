@@ -43,6 +43,7 @@ fn coordinate(name: &str, start: f64) -> Coordinate {
         rest: Number::ZERO,
         limits: None,
         limit_stiffness: Number::ZERO,
+        limit_width: Number::ZERO,
         drive: None,
         role: Role::Joint,
     }

@@ -71,6 +71,11 @@ impl Program {
         if (0..count).any(|i| !(self.low[i] <= self.high[i])) {
             return Outcome::Infeasible;
         }
+        if count == 0 {
+            let none = Solution { x: Vec::new(), at_low: Vec::new(), at_high: Vec::new() };
+            let is_met = self.right.iter().all(|e| *e == 0.0);
+            return if is_met { Outcome::Solved(none) } else { Outcome::Infeasible };
+        }
         // Rows of length one, and unknowns in units of the largest number that is given for them.
         let norms: Vec<f64> = self.equations.iter().map(|row| norm(row)).collect();
         let right: Vec<f64> = self.right.iter().zip(&norms).map(|(e, n)| e / n).collect();
@@ -287,6 +292,10 @@ mod tests {
         program.equations = vec![vec![1.0, 1.0]];
         program.right = vec![0.0];
         assert_eq!(program.solve(), Outcome::Unbounded);
+        let nothing = Program { equations: vec![vec![]], right: vec![1.0], ..Program::default() };
+        assert_eq!(nothing.solve(), Outcome::Infeasible);
+        let nothing = Program { right: vec![0.0], ..nothing };
+        assert!(matches!(nothing.solve(), Outcome::Solved(_)));
     }
 
     #[test]

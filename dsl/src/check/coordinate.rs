@@ -57,6 +57,7 @@ impl<'a> Checker<'a> {
             ("stiffness", STIFFNESS),
             ("rest", COORDINATE),
             ("limit_stiffness", STIFFNESS),
+            ("limit_width", COORDINATE),
         ] {
             let Some(text) = options.get(name) else { continue };
             let want = dimensions(own, pair);
@@ -76,6 +77,7 @@ impl<'a> Checker<'a> {
                     "damping" => coordinate.damping = Some(value),
                     "stiffness" => coordinate.stiffness = Some(value),
                     "rest" => coordinate.rest = Some(value),
+                    "limit_width" => coordinate.limit_width = Some(value),
                     _ => coordinate.limit_stiffness = Some(value),
                 }
             }
@@ -83,8 +85,11 @@ impl<'a> Checker<'a> {
         if let Some(text) = options.get("limits") {
             self.limits(scope, text, own, &places, joint);
         }
-        for name in ["rest", "limit_stiffness"] {
-            let needs = if name == "rest" { "stiffness" } else { "limits" };
+        for (name, needs) in [
+            ("rest", "stiffness"),
+            ("limit_stiffness", "limits"),
+            ("limit_width", "limit_stiffness"),
+        ] {
             if let Some(setting) = options.setting(name)
                 && options.get(needs).is_none()
                 && !options.broken

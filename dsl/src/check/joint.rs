@@ -12,8 +12,17 @@ use crate::hir::{
 };
 use crate::source::Span;
 
-const OPTIONS: [&str; 8] =
-    ["start", "velocity", "damping", "stiffness", "rest", "limits", "limit_stiffness", "drive"];
+const OPTIONS: [&str; 9] = [
+    "start",
+    "velocity",
+    "damping",
+    "stiffness",
+    "rest",
+    "limits",
+    "limit_stiffness",
+    "limit_width",
+    "drive",
+];
 
 impl<'a> Checker<'a> {
     /// Joints, and their coordinates with their place among all.
@@ -174,6 +183,7 @@ impl<'a> Checker<'a> {
                 rest: None,
                 limits: None,
                 limit_stiffness: None,
+                limit_width: None,
                 drive: None,
             })
             .collect()

@@ -168,6 +168,7 @@ impl<'a> Checker<'a> {
                         rest: None,
                         limits: None,
                         limit_stiffness: None,
+                        limit_width: None,
                         drive: None,
                     },
                 ));

@@ -114,6 +114,8 @@ pub struct Coordinate {
     pub limits: Option<[Expr; 2]>,
     /// Stiffness of elastic limits, if given.
     pub limit_stiffness: Option<Expr>,
+    /// Width over which elastic limits begin, if given.
+    pub limit_width: Option<Expr>,
     /// Path of a kinematic joint, a function of time.
     pub drive: Option<Expr>,
 }

@@ -1,6 +1,6 @@
 //! The fastest natural frequency at a configuration, for hints and warnings.
 
-use crate::linalg::{lu_factor, lu_solve};
+use crate::linalg::Lu;
 use crate::model::{Midpoint, Model};
 use crate::step::Surroundings;
 
@@ -26,9 +26,11 @@ pub fn fastest<M: Model>(model: &mut M, q: &[f64], around: &Surroundings) -> Opt
             .zip(&mass[range.clone()])
             .map(|(j, m)| -(j + m / h) * 4.0 / h)
             .collect();
-        let mut factors = mass[range].to_vec();
-        let (mut order, mut scratch) = (vec![0; size], vec![0.0; size]);
-        if !(lu_factor(&mut factors, size, &mut order, &mut scratch).smallest > 1e-12) {
+        let mut factors = Lu::new(size);
+        for (i, row) in mass[range].chunks_exact(size).enumerate() {
+            factors.row_mut(i).copy_from_slice(row);
+        }
+        if !(factors.factor().smallest > 1e-12) {
             continue;
         }
         let mut x: Vec<f64> = (0..size).map(|i| 1.0 + 0.1 * i as f64).collect();
@@ -37,7 +39,7 @@ pub fn fastest<M: Model>(model: &mut M, q: &[f64], around: &Surroundings) -> Opt
             let mut y: Vec<f64> = (0..size)
                 .map(|i| (0..size).map(|k| stiffness[i * size + k] * x[k]).sum())
                 .collect();
-            lu_solve(&factors, size, &order, &mut y, &mut scratch);
+            factors.solve(&mut y);
             let norm = y.iter().map(|v| v * v).sum::<f64>().sqrt();
             let length = x.iter().map(|v| v * v).sum::<f64>().sqrt();
             if !(norm > 0.0) {

@@ -241,8 +241,17 @@ impl Statics {
             let stiffest =
                 (0..count).map(|i| system[i * count + i].abs() * size(members[i].1).powi(2));
             let stiffest = stiffest.fold(0.0, f64::max);
-            for (i, &(_, c)) in members.iter().enumerate() {
-                system[i * count + i] += follow * stiffest / size(c).powi(2);
+            // Towards a balance that is stable: the forces must be felt as those of a bowl.
+            let bare = system.clone();
+            loop {
+                system.copy_from_slice(&bare);
+                for (i, &(_, c)) in members.iter().enumerate() {
+                    system[i * count + i] += follow * stiffest / size(c).powi(2);
+                }
+                if follow > 1e6 || is_bowl(&system, count) {
+                    break;
+                }
+                follow = (4.0 * follow).max(1e-4);
             }
             let mut step = solve_least_norm(&system, count, count, &force).x;
             let far = members.iter().zip(&step).map(|(&(_, c), x)| x.abs() / size(c));
@@ -333,4 +342,47 @@ impl Statics {
 
 fn largest(force: &[f64]) -> f64 {
     force.iter().fold(0.0, |a: f64, f| if f.abs() <= a { a } else { f.abs() })
+}
+
+/// Whether no direction makes xᵀAx negative, by the pivots of the symmetric part.
+fn is_bowl(matrix: &[f64], count: usize) -> bool {
+    let mut a: Vec<f64> = (0..count * count)
+        .map(|slot| 0.5 * (matrix[slot] + matrix[slot % count * count + slot / count]))
+        .collect();
+    let rounding = 1e-13 * (0..count).map(|i| a[i * count + i].abs()).fold(0.0, f64::max);
+    for k in 0..count {
+        let pivot = a[k * count + k];
+        if pivot < -rounding {
+            return false;
+        }
+        if pivot <= rounding {
+            // Nothing resists here, so nothing may be coupled to it either.
+            if (k + 1..count).any(|i| a[i * count + k].abs() > rounding) {
+                return false;
+            }
+            continue;
+        }
+        for i in k + 1..count {
+            let factor = a[i * count + k] / pivot;
+            for j in k..count {
+                a[i * count + j] -= factor * a[k * count + j];
+            }
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_bowl;
+
+    #[test]
+    fn bowls_are_told_from_saddles() {
+        assert!(is_bowl(&[2.0, 1.0, 1.0, 2.0], 2));
+        assert!(is_bowl(&[2.0, 0.0, 0.0, 0.0], 2));
+        assert!(!is_bowl(&[1.0, 2.0, 2.0, 1.0], 2));
+        assert!(!is_bowl(&[0.0, 1.0, 1.0, 0.0], 2));
+        // A part that turns does not matter.
+        assert!(is_bowl(&[1.0, 5.0, -5.0, 1.0], 2));
+    }
 }

@@ -60,7 +60,8 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// Derivatives of all rows at q, packed by block.
+    /// Derivatives of all rows at q, packed by block; entries that are zero by structure are not
+    /// written.
     pub fn constraint_jacobian(
         &self,
         workspace: &mut Workspace<S>,
@@ -68,7 +69,9 @@ impl<S: Scalar> Mechanics<'_, S> {
         t: S,
         jacobian: &mut [S],
     ) {
-        jacobian.fill(S::zero());
+        for &slot in &self.structure.row_entries {
+            jacobian[slot] = S::zero();
+        }
         self.prepare_constraints(workspace, q);
         for (index, constraint) in self.mechanism.constraints.iter().enumerate() {
             let first = self.structure.first_row[index];

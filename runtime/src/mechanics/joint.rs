@@ -1,10 +1,13 @@
 //! What acts on a coordinate alone: viscous damping, springs and elastic limits.
 
+use super::ramp::{Ramp, ramp};
 use super::{At, Mechanics, Terms};
+use crate::resolved::Stops;
 use handc_core::scalar::{Comparison, Scalar};
 
 impl<S: Scalar> Mechanics<'_, S> {
-    /// Adds −c·q̇, the spring ½k(q − rest)² and the stops ½k·(excess over a limit)².
+    /// Adds −c·q̇, the spring ½k(q − rest)² and the stops ½k·ρ(excess over a limit)², where ρ is
+    /// the excess itself or, over a width, begins smoothly.
     pub(crate) fn add_joints(&self, at: &At<S>, terms: &mut Terms<S>) {
         let step = terms.matrix.as_ref().map(|(h, _)| *h);
         for &(i, coordinate) in &self.numbers.coordinates {
@@ -21,16 +24,15 @@ impl<S: Scalar> Mechanics<'_, S> {
                     terms.add(self.structure, i, i, k * h.scale(-0.25));
                 }
             }
-            if let Some((k, low, high)) = coordinate.stops {
-                let zero = S::zero();
-                let pick = |then, otherwise_low| {
-                    let above = S::select(Comparison::Less, high, q, then, zero);
-                    S::select(Comparison::Less, q, low, otherwise_low, above)
-                };
-                terms.force[i] -= k * pick(q - high, q - low);
+            if let Some(stops) = &coordinate.stops {
+                let [below, above] = excess(stops, q);
+                let k = stops.stiffness;
+                terms.force[i] -= k * (above.value * above.slope - below.value * below.slope);
                 if let Some(h) = step {
-                    let inside = pick(S::one(), S::one());
-                    terms.add(self.structure, i, i, k * inside * h.scale(-0.25));
+                    let bend =
+                        |side: Ramp<S>| side.slope * side.slope + side.value * side.curvature;
+                    let slope = k * (bend(below) + bend(above));
+                    terms.add(self.structure, i, i, slope * h.scale(-0.25));
                 }
             }
         }
@@ -44,12 +46,26 @@ impl<S: Scalar> Mechanics<'_, S> {
             if let Some((k, rest)) = coordinate.spring {
                 energy += (k * (q - rest) * (q - rest)).scale(0.5);
             }
-            if let Some((k, low, high)) = coordinate.stops {
-                let zero = S::zero();
-                let excess = (q - high).max(zero) + (low - q).max(zero);
-                energy += (k * excess * excess).scale(0.5);
+            if let Some(stops) = &coordinate.stops {
+                let [below, above] = excess(stops, q).map(|side| side.value);
+                energy += (stops.stiffness * (below * below + above * above)).scale(0.5);
             }
         }
         energy
     }
+}
+
+/// How far a coordinate is below its lower limit and above its upper one.
+fn excess<S: Scalar>(stops: &Stops<S>, q: S) -> [Ramp<S>; 2] {
+    [stops.low - q, q - stops.high].map(|excess| match stops.width {
+        Some(width) => ramp(excess, width),
+        None => {
+            let (zero, one) = (S::zero(), S::one());
+            Ramp {
+                value: excess.max(zero),
+                slope: S::select(Comparison::Less, zero, excess, one, zero),
+                curvature: zero,
+            }
+        }
+    })
 }

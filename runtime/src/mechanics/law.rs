@@ -5,10 +5,12 @@
 //! times differentiable between: so slack composes with every law, with damping too, and keeps the
 //! energy of those that have one.
 
+use super::ramp::{Ramp, ramp};
+use super::segment::Order;
 use super::{At, Mechanics, Workspace};
 use crate::expression::{Own, Variable};
 use crate::mechanism::Law;
-use handc_core::scalar::Scalar;
+use handc_core::scalar::{Comparison, Scalar};
 
 /// The tension of a strand and what it changes with.
 #[derive(Clone, Debug)]
@@ -27,34 +29,6 @@ pub(crate) struct Pull<S> {
     pub(crate) taut: S,
     /// Power that damping takes (W).
     pub(crate) dissipation: S,
-}
-
-/// The part of a stretch that pulls.
-#[derive(Clone, Copy, Debug)]
-struct Ramp<S> {
-    /// ρ.
-    value: S,
-    /// ρ'.
-    slope: S,
-    /// ρ''.
-    curvature: S,
-}
-
-/// ρ(e) over a width w: 0 below −w/2, e above w/2, and w·u⁴(5/2 − 3u + u²) between, where u runs
-/// from 0 to 1. ρ'' = 30·u²(1 − u)²/w vanishes with its slope at both ends.
-fn ramp<S: Scalar>(stretch: S, width: S) -> Ramp<S> {
-    let c = S::constant;
-    let (zero, one) = (S::zero(), S::one());
-    let per_width = width.recip();
-    let u = (stretch * per_width + c(0.5)).max(zero).min(one);
-    let square = u * u;
-    let rest = one - u;
-    let smooth = square * square * (c(2.5) + u * (u - c(3.0)));
-    Ramp {
-        value: width * smooth + (stretch - width.scale(0.5)).max(zero),
-        slope: square * u * (c(10.0) + u * (u.scale(6.0) - c(15.0))),
-        curvature: (square * rest * rest * per_width).scale(30.0),
-    }
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
@@ -102,7 +76,10 @@ impl<S: Scalar> Mechanics<'_, S> {
             Law::Tension(function) => {
                 let own = [length, rest, rate];
                 let (value, found) = self.function_of(workspace, at, function, own, slopes);
-                // The commanded tension acts through the part of the length that pulls.
+                // The commanded tension acts through the part of the length that pulls. One below
+                // zero would push: the step has no solution then.
+                let zero = S::zero();
+                let value = S::select(Comparison::Less, value, zero, S::constant(f64::NAN), value);
                 pull.tension = value;
                 pull.dq = found.dq;
                 pull.dv = found.dv;
@@ -142,6 +119,18 @@ impl<S: Scalar> Mechanics<'_, S> {
             pull.dissipation = drag * rate * rate;
         }
         pull
+    }
+
+    /// Commanded tensions as they are given (N); those of strands with another law are not written.
+    pub fn commands(&self, workspace: &mut Workspace<S>, at: &At<S>, tensions: &mut [S]) {
+        self.prepare(workspace, at.q);
+        for (index, strand) in self.mechanism.strands.iter().enumerate() {
+            let Law::Tension(function) = &strand.law else { continue };
+            self.strand_length(workspace, at.q, index, Order::First);
+            let rate = self.strand_rate(workspace, index, at.v);
+            let own = [workspace.strand.lengths[index], at.rest[index], rate];
+            tensions[index] = self.function_of(workspace, at, function, own, false).0;
+        }
     }
 
     /// Energy (J) of a strand of length x: of a commanded tension T·x where T is constant in time

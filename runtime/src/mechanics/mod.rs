@@ -16,6 +16,7 @@ pub mod inertia;
 pub mod joint;
 mod law;
 mod muscle;
+mod ramp;
 mod run;
 pub mod segment;
 pub mod strand;

@@ -122,6 +122,13 @@ impl Structure {
             matrix_offset += block.coordinates.len() * block.coordinates.len();
             constraint_offset += block.coordinates.len() * block.rows.len();
         }
+        for (constraint, coordinates) in rows.iter().enumerate() {
+            for row in self.first_row[constraint]..self.first_row[constraint + 1] {
+                let slots = coordinates.iter().filter_map(|&c| self.row_slot(row, c));
+                let slots: Vec<usize> = slots.collect();
+                self.row_entries.extend(slots);
+            }
+        }
     }
 }
 

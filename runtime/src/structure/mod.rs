@@ -95,6 +95,8 @@ pub struct Structure {
     pub slots: Vec<Option<(usize, usize)>>,
     /// Block of each constraint row and its position there; `None` if it holds no dynamic coordinate.
     pub row_slots: Vec<Option<(usize, usize)>>,
+    /// Slots of a packed constraint Jacobian that are not zero by structure.
+    pub row_entries: Vec<usize>,
 }
 
 impl Structure {
@@ -127,6 +129,7 @@ impl Structure {
             blocks: Vec::new(),
             slots: vec![None; count],
             row_slots: vec![None; first_row[mechanism.constraints.len()]],
+            row_entries: Vec::new(),
             first_row,
         };
         structure.runs = structure.find_runs(mechanism);

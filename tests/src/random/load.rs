@@ -45,7 +45,7 @@ fn law(draft: &mut Draft) -> String {
         1 => {
             let reads = Reads { lengths: false, ..LOAD };
             let value = plain(draft, reads, 1);
-            format!(" tension = 2 N + 0.5 N * sin({value}) + 0.2 N*s/m * rate(x) + 3 N/m * x;")
+            format!(" tension = 8 N + 0.5 N * sin({value}) + 0.2 N*s/m * rate(x) + 3 N/m * x;")
         }
         2 => format!(" tension = {};", draft.quantity(stiffness / 100.0, "N")),
         _ => format!(" stiffness = {};", draft.quantity(stiffness, "N/m")),

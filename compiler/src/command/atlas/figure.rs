@@ -2,7 +2,7 @@
 
 use super::sweep::Sweep;
 use crate::command::posture::Posture;
-use handc_plot::{Sweep as Column, SweepPlot, SweepRow, Unit};
+use handc_plot::{MapAxis, MapPlot, MapRow, Sweep as Column, SweepPlot, SweepRow, Unit};
 use handc_runtime::mechanism::Mechanism;
 
 /// A picture and what its file's name ends with.
@@ -93,5 +93,58 @@ fn plot(
             row("change of length", Unit::Prefixed("m"), &|i, s| i.lengths[s] - lengths[s]),
             row("tension", Unit::Prefixed("N"), &|instant, s| instant.tensions[s]),
         ],
+    }
+}
+
+/// A picture of a sweep of two joints: moment arms of each strand about both.
+pub(super) fn map(
+    mechanism: &Mechanism,
+    posture: &Posture,
+    title: String,
+    sweep: &Sweep,
+) -> MapPlot {
+    // What all names begin with goes without saying.
+    let strands = sweep.strands.iter().map(|&s| mechanism.strands[s].name.as_str());
+    let joints = sweep.coordinates.iter().map(|&c| mechanism.coordinates[c].name.as_str());
+    let names: Vec<&str> = joints.chain(strands).collect();
+    let part = names.first().and_then(|name| name.rsplit_once('.')).map(|(part, _)| part);
+    let prefix = part.map_or(String::new(), |part| format!("{part}."));
+    let is_shared = names.iter().all(|name| name.starts_with(&prefix));
+    let short = |name: &str| match is_shared {
+        true => name[prefix.len()..].to_string(),
+        false => name.to_string(),
+    };
+    let unit = |c: usize| match posture.is_length(c) {
+        true => Unit::Prefixed("m"),
+        false => Unit::Angle,
+    };
+    let axis = |k: usize| {
+        let c = sweep.coordinates[k];
+        let mut values: Vec<f64> = sweep.instants.iter().map(|(values, _)| values[k]).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        MapAxis { label: short(&mechanism.coordinates[c].name), unit: unit(c), values }
+    };
+    let row = |k: usize| {
+        let c = sweep.coordinates[k];
+        let cell = |&s: &usize| -> Vec<f64> {
+            let instants = sweep.instants.iter().map(|(_, instant)| instant.as_ref());
+            instants.map(|instant| instant.map_or(f64::NAN, |i| i.arms[k][s])).collect()
+        };
+        MapRow {
+            label: format!("moment arm about {}", short(&mechanism.coordinates[c].name)),
+            unit: match posture.is_length(c) {
+                true => Unit::Plain(String::new()),
+                false => Unit::Prefixed("m"),
+            },
+            cells: sweep.strands.iter().map(cell).collect(),
+        }
+    };
+    MapPlot {
+        title,
+        across: axis(0),
+        up: axis(1),
+        names: sweep.strands.iter().map(|&s| short(&mechanism.strands[s].name)).collect(),
+        rows: vec![row(0), row(1)],
     }
 }

@@ -11,7 +11,7 @@ mod table;
 use super::posture::names::Reader;
 use super::posture::{self, Posture, PostureOptions, edit, value};
 use handc_core::model::Model as _;
-use handc_plot::save;
+use handc_plot::{Picture, save};
 use handc_runtime::mechanism::{Law, Mechanism};
 use std::path::{Path, PathBuf};
 use sweep::Sweep;
@@ -75,7 +75,13 @@ fn run(options: &AtlasOptions) -> Result<(), u8> {
             let joints = [first.0, second.0];
             let sweep = sweep::grid(&mut posture, joints, [&values[0], &values[1]], &chosen);
             tell(&mechanism, &sweep);
-            write(&with_suffix(&stem, ".csv"), &table::grid(&mechanism, &sweep))
+            write(&with_suffix(&stem, ".csv"), &table::grid(&mechanism, &sweep))?;
+            let [a, b] = joints.map(|c| mechanism.coordinates[c].name.as_str());
+            let title = format!("{}: moment arms over {a} and {b}", head(&mechanism, options));
+            match sweep.strands.is_empty() {
+                true => Ok(()),
+                false => draw(&figure::map(&mechanism, &posture, title, &sweep), &stem),
+            }
         }
         _ => {
             let sweeps: Vec<Sweep> = ranges
@@ -107,10 +113,7 @@ fn lines(
     let mut lengths = vec![0.0; mechanism.strands.len()];
     let q = posture.q.clone();
     posture.model.strand_lengths(&q, &mut lengths);
-    let title = match (&options.posture.pose, posture.scenario) {
-        (Some(pose), _) => format!("{}, pose {pose}: strands over each joint", mechanism.name),
-        _ => format!("{}: strands over each joint", mechanism.name),
-    };
+    let title = format!("{}: strands over each joint", head(mechanism, options));
     let drawn: Vec<Sweep> =
         sweeps.iter().filter(|sweep| !sweep.strands.is_empty()).cloned().collect();
     if drawn.is_empty() {
@@ -118,12 +121,23 @@ fn lines(
     }
     for figure in figure::figures(mechanism, posture, &lengths, &title, &drawn) {
         let stem = with_suffix(stem, &figure.suffix);
-        let paths = save(&figure.plot, &stem).map_err(|message| {
-            eprintln!("error: {message}");
-            3
-        })?;
-        paths.iter().for_each(|path| eprintln!("wrote {}", path.display()));
+        draw(&figure.plot, &stem)?;
     }
+    Ok(())
+}
+
+/// The model and its pose.
+fn head(mechanism: &Mechanism, options: &AtlasOptions) -> String {
+    let pose = options.posture.pose.as_ref().map_or(String::new(), |pose| format!(", pose {pose}"));
+    format!("{}{pose}", mechanism.name)
+}
+
+fn draw(picture: &dyn Picture, stem: &Path) -> Result<(), u8> {
+    let paths = save(picture, stem).map_err(|message| {
+        eprintln!("error: {message}");
+        3
+    })?;
+    paths.iter().for_each(|path| eprintln!("wrote {}", path.display()));
     Ok(())
 }
 
@@ -167,7 +181,8 @@ fn ranges(
     if limits.is_none() {
         return Vec::new();
     }
-    if wanted.is_empty() && reader.complaints.is_empty() {
+    let is_right = reader.complaints.is_empty() && !reader.mechanism.strands.is_empty();
+    if wanted.is_empty() && is_right {
         reader.complain(
             "no joint of the model has limits: give ranges with `--joint JOINT=LO:HI`".to_string(),
         );

@@ -134,6 +134,23 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             &[("q", output()), ("v", output())],
         ),
     ];
+    let has_commands = functions.iter().any(|placed| placed.emitted.name == "commands");
+    let commands = has_commands.then(|| {
+        make(
+            "commands",
+            "commands",
+            &|m| m == Module::Strands,
+            vec![
+                ("q", quote!(sized(at.q))),
+                ("v", quote!(sized(at.v))),
+                ("t", quote!(at.t)),
+                ("rest", quote!(sized(at.rest))),
+                ("inputs", quote!(sized(at.inputs))),
+                write("tensions", "tensions"),
+            ],
+            &[("at", quote!(&Midpoint)), ("tensions", output())],
+        )
+    });
     let has_clearances = functions.iter().any(|placed| placed.emitted.name == "clearances");
     let clearances = has_clearances.then(|| {
         make(
@@ -172,6 +189,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             }
             #blocks
             #(#methods)*
+            #commands
             #clearances
             #muscle_numbers
             #potential

@@ -222,7 +222,7 @@ impl Names {
     fn list_of(&self, array: &str) -> Option<&Indices> {
         Some(match array {
             "q" | "v" | "momentum" | "force" => &self.coordinates,
-            "rest" | "lengths" => &self.strands,
+            "rest" | "lengths" | "tensions" => &self.strands,
             "inputs" => &self.inputs,
             "params" => &self.params,
             "lambda" | "rows" => &self.rows,

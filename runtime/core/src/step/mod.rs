@@ -13,7 +13,9 @@
 //! best, so that a smooth motion needs one iteration.
 
 mod attempt;
+mod equations;
 mod lanes;
+mod renewal;
 mod report;
 
 use crate::error::StepError;
@@ -22,7 +24,8 @@ use crate::lanes::LaneConstants;
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
 use crate::predict::{Differences, Predictor};
-use crate::solve::BlockSystem;
+use crate::solve::{BlockSystem, Span, spans};
+use renewal::Renewal;
 
 /// Gaps of constraints below this many units of rounding of the coordinates are closed.
 const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
@@ -116,9 +119,16 @@ pub struct Stepper {
     g1: Vec<f64>,
     gap: Vec<f64>,
     residual: Vec<f64>,
+    /// Dh(q0)ᵀλ.
+    pull: Vec<f64>,
     size: Vec<f64>,
-    scale: Vec<f64>,
-    row_scale: Vec<f64>,
+    /// Σ|Jᵢⱼ|·size(j) of the matrix at hand.
+    sensitivity: Vec<f64>,
+    /// The same and the sizes of the terms of Dh(q0)ᵀλ.
+    bound: Vec<f64>,
+    /// 1 over the tolerance of each residual and each gap.
+    per_scale: Vec<f64>,
+    per_gap: Vec<f64>,
     newton: Vec<f64>,
     newton_lambda: Vec<f64>,
     block_step: Vec<f64>,
@@ -135,7 +145,10 @@ pub struct Stepper {
     past: Vec<f64>,
     /// Whether every block is free of constraints and of drives, so that lanes can take the step.
     on_lanes: bool,
+    /// Which entries of the constraint Jacobian there are; unknown before the first step.
+    spans: Vec<Span>,
     structure_seen: bool,
+    renewal: Renewal,
     lane_constants: LaneConstants,
 }
 
@@ -160,11 +173,11 @@ impl Stepper {
                 CoordinateKind::Length => layout.length_scale,
             })
             .collect();
+        let statics = layout.statics(driven);
+        let blocks: Vec<BlockSystem> =
+            layout.blocks.iter().map(|b| BlockSystem::new(b, driven, &statics)).collect();
         Stepper {
-            blocks: {
-                let statics = layout.statics(driven);
-                layout.blocks.iter().map(|b| BlockSystem::new(b, driven, &statics)).collect()
-            },
+            blocks,
             driven: driven.to_vec(),
             floor_scale: floor_scale.clone(),
             tolerance,
@@ -184,9 +197,12 @@ impl Stepper {
             g1: vec![0.0; layout.constraint_size()],
             gap: vec![0.0; m],
             residual: vec![0.0; n],
+            pull: vec![0.0; n],
             size: vec![0.0; n],
-            scale: vec![0.0; n],
-            row_scale: vec![0.0; m],
+            sensitivity: vec![0.0; n],
+            bound: vec![0.0; n],
+            per_scale: vec![0.0; n],
+            per_gap: vec![0.0; m],
             newton: vec![0.0; n],
             newton_lambda: vec![0.0; m],
             block_step: vec![0.0; n],
@@ -194,12 +210,14 @@ impl Stepper {
             condition: f64::NAN,
             predictor: Predictor::new(&floor_scale, driven),
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
-            static_list: layout.statics(driven),
+            static_list: statics,
             internal_list: layout.internals(driven),
             past: vec![0.0; n],
             on_lanes: layout.rows.is_empty()
                 && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
+            spans: Vec::new(),
             structure_seen: false,
+            renewal: Renewal::new(0.0),
             lane_constants: LaneConstants::new(floor_scale),
         }
     }
@@ -215,8 +233,8 @@ impl Stepper {
             return Ok(());
         }
         let before = self.iterations;
+        self.see_structure(model, state);
         if !self.lambda.is_empty() {
-            self.see_structure(model, state);
             model.constraint_jacobian(&state.q, state.t, &mut self.g0);
         }
         let mut last = Attempt::Failed;
@@ -232,6 +250,7 @@ impl Stepper {
                 _ => {}
             }
         }
+        self.renewal.forget();
         Err(self.report(model, state, around, last, self.iterations - before))
     }
 
@@ -253,12 +272,17 @@ impl Stepper {
 
     /// Before the first step: which constraints touch which coordinates.
     fn see_structure<M: Model>(&mut self, model: &mut M, state: &State) {
-        if !self.structure_seen {
-            let mut probe = vec![f64::NAN; self.g0.len()];
-            model.constraint_jacobian(&state.q, state.t, &mut probe);
-            self.blocks.iter_mut().for_each(|block| block.see_structure(&probe));
-            self.structure_seen = true;
+        if self.structure_seen {
+            return;
         }
+        self.structure_seen = true;
+        let mut probe = vec![f64::NAN; self.g0.len()];
+        model.constraint_jacobian(&state.q, state.t, &mut probe);
+        self.blocks.iter_mut().for_each(|block| block.see_structure(&probe));
+        self.spans = spans(&model.layout().blocks, &self.driven, &probe);
+        let costs = self.blocks.iter().map(BlockSystem::costs);
+        let [make, serve] = costs.fold([0.0, 1.0], |[a, b], [x, y]| [a + x, b + y]);
+        self.renewal = Renewal::new(make / serve);
     }
 
     fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
@@ -286,9 +310,4 @@ impl Stepper {
             self.lambda.fill(0.0);
         }
     }
-}
-
-/// |r| in units of its tolerance; an equation without any scale must hold exactly.
-fn ratio(r: f64, size: f64) -> f64 {
-    if r == 0.0 { 0.0 } else { r.abs() / size.max(f64::MIN_POSITIVE) }
 }

@@ -1,8 +1,8 @@
 //! What is said of a step that could not be taken.
 
-use super::{Attempt, State, Stepper, Surroundings, ratio};
+use super::{Attempt, State, Stepper, Surroundings};
 use crate::error::{StepError, StepErrorKind};
-use crate::model::Model;
+use crate::model::{Midpoint, Model};
 use crate::passage::{self, Blocked};
 
 impl Stepper {
@@ -14,10 +14,14 @@ impl Stepper {
         last: Attempt,
         iterations: usize,
     ) -> StepError {
-        let blocked = self.blocked(model, state, around);
+        let blocked = match self.blocked(model, state, around) {
+            Some(blocked) => Some(blocked),
+            None => self.pushing(model, state, around),
+        };
         // Evaluate where the step began, so that the numbers reported are the model's own.
         self.guess(2, state, around);
         self.evaluate(model, state, around, true);
+        self.set_sensitivities(state);
         self.set_scales(state, around);
         let layout = model.layout();
         let mut worst = (0.0, String::from("none"), 0.0);
@@ -30,11 +34,11 @@ impl Stepper {
         for block in &self.blocks {
             for &c in &block.coordinates {
                 let r = self.residual[c];
-                keep(ratio(r, self.scale[c]), &layout.coordinates[c].name, r);
+                keep(r.abs() * self.per_scale[c], &layout.coordinates[c].name, r);
             }
             for &row in &block.rows {
                 let gap = self.gap[row];
-                keep(ratio(gap, self.row_scale[row]), &layout.rows[row].name, gap);
+                keep(gap.abs() * self.per_gap[row], &layout.rows[row].name, gap);
             }
         }
         let mut hints = Vec::new();
@@ -87,6 +91,24 @@ impl Stepper {
             blocked,
             hints,
         }
+    }
+
+    /// A strand that is commanded to push, at the middle of the step as the guesses have it.
+    fn pushing<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+    ) -> Option<Blocked> {
+        [2, 1, 0, 3].into_iter().find_map(|guess| {
+            self.guess(guess, state, around);
+            let moved = |(q, delta): (&f64, &f64)| q + 0.5 * delta;
+            let q: Vec<f64> = state.q.iter().zip(&self.delta).map(moved).collect();
+            let v: Vec<f64> = self.delta.iter().map(|delta| delta / around.h).collect();
+            let t = 0.5 * (state.t + around.t1);
+            let at = Midpoint { q: &q, v: &v, t, rest: around.rest, inputs: around.inputs };
+            passage::pushing(model, &at)
+        })
     }
 
     /// A strand that cannot pass its surface where the step begins, or where a guess leads: at the

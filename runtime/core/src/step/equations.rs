@@ -1,0 +1,238 @@
+//! The step's equations at an increment: residuals, their tolerances, and corrections.
+
+use super::{Attempt, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
+use crate::internal;
+use crate::model::{Midpoint, Model};
+
+impl Stepper {
+    /// Evaluates the equations at the increment and sets their tolerances. Returns the largest
+    /// residual in units of them.
+    pub(super) fn look<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+    ) -> Result<f64, Attempt> {
+        self.evaluate(model, state, around, false);
+        self.set_scales(state, around);
+        let merit = self.merit();
+        if merit.is_finite() { Ok(merit) } else { Err(Attempt::NotFinite) }
+    }
+
+    /// As [`Stepper::look`], and makes new factors there if the equations do not hold already.
+    pub(super) fn renew<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+    ) -> Result<f64, Attempt> {
+        self.evaluate(model, state, around, true);
+        self.set_sensitivities(state);
+        self.set_scales(state, around);
+        let merit = self.merit();
+        if !merit.is_finite() {
+            return Err(Attempt::NotFinite);
+        }
+        if merit > 1.0 {
+            self.renewal.forget();
+            self.factor().map_err(Attempt::Singular)?;
+            if self.blocks.iter().all(|block| block.is_regular()) {
+                self.renewal.made(around.h);
+            }
+        }
+        Ok(merit)
+    }
+
+    pub(super) fn evaluate<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &State,
+        around: &Surroundings,
+        with_matrix: bool,
+    ) {
+        let h = around.h;
+        for i in 0..self.delta.len() {
+            self.q_mid[i] = state.q[i] + 0.5 * self.delta[i];
+            self.v_mid[i] = self.delta[i] / h;
+            self.q1[i] = state.q[i] + self.delta[i];
+        }
+        for &c in &self.internal_list {
+            self.v_mid[c] = internal::RATE * self.delta[c] / h + self.past[c];
+        }
+        let at = Midpoint {
+            q: &self.q_mid,
+            v: &self.v_mid,
+            t: 0.5 * (state.t + around.t1),
+            rest: around.rest,
+            inputs: around.inputs,
+        };
+        if with_matrix {
+            let matrix = &mut self.matrix;
+            model.evaluate_with_matrix(&at, h, &mut self.momentum, &mut self.force, matrix);
+        } else {
+            model.evaluate(&at, &mut self.momentum, &mut self.force);
+        }
+        if !self.lambda.is_empty() {
+            model.constraints(&self.q1, around.t1, around.rest_end, &mut self.gap);
+            if with_matrix {
+                model.constraint_jacobian(&self.q1, around.t1, &mut self.g1);
+            }
+        }
+        self.pull.fill(0.0);
+        for span in &self.spans {
+            span.add_forces(&self.g0, &self.lambda, &mut self.pull);
+        }
+        for c in 0..self.residual.len() {
+            let impulse = 0.5 * h * self.force[c] - self.pull[c];
+            self.residual[c] = state.p[c] + impulse - self.momentum[c];
+        }
+        for &c in &self.driven_list {
+            self.residual[c] = 0.0;
+        }
+    }
+
+    /// What rounding of the coordinates does to each equation, by the matrices at hand.
+    pub(super) fn set_sensitivities(&mut self, state: &State) {
+        for c in 0..self.size.len() {
+            self.size[c] = state.q[c].abs().max(self.floor_scale[c]);
+        }
+        let (sensitivity, per_gap) = (&mut self.sensitivity, &mut self.per_gap);
+        for block in &self.blocks {
+            block.sensitivities(
+                (&self.matrix, &self.g1),
+                &self.size,
+                |c, sum| sensitivity[c] = sum,
+                |row, sum| per_gap[row] = per(GAP_FLOOR * sum),
+            );
+        }
+    }
+
+    /// Tolerance of each equation: what rounding of the coordinates does to it, or what is asked
+    /// for relative to its momenta, whichever is larger.
+    pub(super) fn set_scales(&mut self, state: &State, around: &Surroundings) {
+        self.bound.copy_from_slice(&self.sensitivity);
+        for span in &self.spans {
+            span.add_sizes(&self.g0, &self.lambda, &mut self.bound);
+        }
+        for c in 0..self.per_scale.len() {
+            let impulse = 0.5 * around.h * self.force[c];
+            let p = state.p[c].abs();
+            let asked = p + self.momentum[c].abs() + impulse.abs();
+            let floor = FLOOR * p.max(self.bound[c]);
+            self.per_scale[c] = per(floor.max(self.tolerance * asked));
+        }
+    }
+
+    /// Largest residual in units of its tolerance; NaN where any is not finite.
+    pub(super) fn merit(&self) -> f64 {
+        let (mut worst, mut finite) = (0.0, true);
+        let residuals = self.residual.iter().zip(&self.per_scale);
+        for (residual, per_scale) in residuals.chain(self.gap.iter().zip(&self.per_gap)) {
+            let ratio = residual.abs() * per_scale;
+            finite &= ratio < f64::INFINITY;
+            worst = if ratio > worst { ratio } else { worst };
+        }
+        if finite { worst } else { f64::NAN }
+    }
+
+    /// How far the last correction moved the half step's impulse, in units of tolerance. The next
+    /// correction will move it by as much less as the residual has fallen.
+    pub(super) fn linear_end_error(&self, h: f64) -> f64 {
+        let forces = self.force.iter().zip(&self.force_before);
+        let moved =
+            forces.zip(&self.per_scale).map(|((now, before), per)| (now - before).abs() * per);
+        0.5 * h * moved.fold(0.0, f64::max)
+    }
+
+    /// A last correction with the factors at hand and no further evaluation: the impulse of the
+    /// force would change by less than its tolerance, and the step's equation itself gives the
+    /// momentum, p0 + h·f − Dh(q0)ᵀλ.
+    pub(super) fn end_linearly(&mut self, state: &State, around: &Surroundings) {
+        self.trial.copy_from_slice(&self.delta);
+        self.trial_lambda.copy_from_slice(&self.lambda);
+        self.newton_step();
+        self.move_by(1.0);
+        self.residual.fill(0.0);
+        self.pull.fill(0.0);
+        for span in &self.spans {
+            span.add_forces(&self.g0, &self.lambda, &mut self.pull);
+        }
+        let h = around.h;
+        for c in 0..self.delta.len() {
+            self.q1[c] = state.q[c] + self.delta[c];
+            self.v_mid[c] = self.delta[c] / h;
+            self.momentum[c] = state.p[c] + 0.5 * h * self.force[c] - self.pull[c];
+        }
+    }
+
+    fn factor(&mut self) -> Result<(), usize> {
+        self.condition = 0.0;
+        for block in &mut self.blocks {
+            match block.factor(&self.matrix, &self.g0, &self.g1) {
+                Ok(pivots) => self.condition = self.condition.max(pivots.condition()),
+                Err(singular) => {
+                    self.condition = f64::INFINITY;
+                    return Err(singular.coordinate);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The full correction, from the residual at hand and the factors kept.
+    pub(super) fn newton_step(&mut self) {
+        for block in &mut self.blocks {
+            let (n, m) = (block.coordinates.len(), block.rows.len());
+            let (step, change) = (&mut self.block_step[..n], &mut self.block_lambda[..m]);
+            for (r, &c) in step.iter_mut().zip(&block.coordinates) {
+                *r = self.residual[c];
+            }
+            for (gap, &row) in change.iter_mut().zip(&block.rows) {
+                *gap = self.gap[row];
+            }
+            let regular = block.is_regular();
+            if !regular {
+                // The residual at λ = 0: the solve then gives the whole multiplier.
+                for (r, &c) in step.iter_mut().zip(&block.coordinates) {
+                    *r += self.pull[c];
+                }
+            }
+            block.solve(step, change);
+            for (x, &c) in step.iter().zip(&block.coordinates) {
+                self.newton[c] = *x;
+            }
+            for (x, &row) in change.iter().zip(&block.rows) {
+                self.newton_lambda[row] = if regular { *x } else { x - self.lambda[row] };
+            }
+        }
+    }
+
+    /// Puts the increment at a fraction of the correction beyond the last one.
+    pub(super) fn move_by(&mut self, fraction: f64) {
+        for i in 0..self.delta.len() {
+            self.delta[i] = self.trial[i] + fraction * self.newton[i];
+        }
+        for i in 0..self.lambda.len() {
+            self.lambda[i] = self.trial_lambda[i] + fraction * self.newton_lambda[i];
+        }
+    }
+
+    /// The largest correction relative to its coordinate; NaN where any is not a number.
+    pub(super) fn correction_size(&self, state: &State) -> f64 {
+        let mut worst = 0.0;
+        for block in &self.blocks {
+            for &c in &block.coordinates {
+                let size = self.newton[c].abs() / state.q[c].abs().max(self.floor_scale[c]);
+                if !(worst >= size) && !f64::is_nan(worst) {
+                    worst = size;
+                }
+            }
+        }
+        worst
+    }
+}
+
+/// 1 over a tolerance; an equation without any scale must hold exactly.
+fn per(scale: f64) -> f64 {
+    1.0 / scale.max(f64::MIN_POSITIVE)
+}
