@@ -74,6 +74,8 @@ pub struct Pose {
     pub caption: Option<String>,
     /// Bodies.
     pub solids: Vec<Solid>,
+    /// Surfaces that strands wrap.
+    pub surfaces: Vec<Solid>,
     /// Lines from joint to joint.
     pub bars: Vec<[Spot; 2]>,
     /// Joints.
@@ -90,7 +92,7 @@ impl Pose {
     /// Every place with the reach around it.
     pub(crate) fn spots(&self) -> Vec<(Spot, f64)> {
         let plain = |spot: &Spot| (*spot, 0.0);
-        let solids = self.solids.iter().flat_map(|solid| {
+        let solids = self.solids.iter().chain(&self.surfaces).flat_map(|solid| {
             let radius = solid.radius();
             solid.spots().into_iter().map(move |spot| (spot, radius))
         });

@@ -5,9 +5,21 @@ use crate::outline;
 use crate::pose::{Pose, Solid, Spot};
 use crate::view::dot;
 
-const FILL: Color = [214, 214, 214];
-const EDGE: Stroke = Stroke::solid([150, 150, 150], 0.5);
-const BALL: Color = [240, 236, 226];
+/// How a solid is drawn.
+struct Look {
+    fill: Color,
+    ball: Color,
+    edge: Stroke,
+}
+
+const BODY: Look = Look {
+    fill: [214, 214, 214],
+    ball: [240, 236, 226],
+    edge: Stroke::solid([150, 150, 150], 0.5),
+};
+/// A surface to be wrapped is told from bodies by its outline.
+const SURFACE: Look =
+    Look { fill: [226, 234, 242], ball: [226, 234, 242], edge: Stroke::solid([90, 115, 145], 0.6) };
 const FORCE: Color = [180, 20, 30];
 /// Length of an arrow's head.
 const HEAD: f64 = 6.0;
@@ -31,10 +43,13 @@ pub(crate) fn draw_pose(
         let spots = solid.spots();
         spots.iter().map(|s| dot(*s, near)).sum::<f64>() / spots.len().max(1) as f64
     };
-    let mut solids: Vec<&Solid> = pose.solids.iter().filter(|s| finite(&s.spots())).collect();
-    solids.sort_by(|a, b| depth(a).total_cmp(&depth(b)));
-    for solid in solids {
-        draw_solid(canvas, solid, place, scale);
+    let bodies = pose.solids.iter().map(|solid| (solid, &BODY));
+    let surfaces = pose.surfaces.iter().map(|surface| (surface, &SURFACE));
+    let mut solids: Vec<(&Solid, &Look)> =
+        bodies.chain(surfaces).filter(|(solid, _)| finite(&solid.spots())).collect();
+    solids.sort_by(|a, b| depth(a.0).total_cmp(&depth(b.0)));
+    for (solid, look) in solids {
+        draw_solid(canvas, solid, look, place, scale);
     }
     for (path, color) in pose.strands.iter().zip(colors).filter(|(path, _)| finite(path)) {
         let points: Vec<Place> = path.iter().map(|spot| place(*spot)).collect();
@@ -69,24 +84,31 @@ pub(crate) fn draw_force(canvas: &mut dyn Canvas, from: Place, to: Place) {
     canvas.polygon(&[to, barbs[0], barbs[1]], FORCE, None);
 }
 
-fn draw_solid(canvas: &mut dyn Canvas, solid: &Solid, place: &impl Fn(Spot) -> Place, scale: f64) {
+fn draw_solid(
+    canvas: &mut dyn Canvas,
+    solid: &Solid,
+    look: &Look,
+    place: &impl Fn(Spot) -> Place,
+    scale: f64,
+) {
+    let edge = Some(&look.edge);
     match solid {
         Solid::Rod { from, to, radius } if solid.is_wheel() => {
             let rim = outline::wheel(*from, *to, *radius).into_iter().map(place).collect();
-            canvas.polygon(&outline::hull(rim), FILL, Some(&EDGE));
+            canvas.polygon(&outline::hull(rim), look.fill, edge);
         }
         Solid::Rod { from, to, .. } => {
             let radius = (solid.radius() * scale).max(1.0);
-            canvas.polygon(&outline::capsule(place(*from), place(*to), radius), FILL, Some(&EDGE));
+            canvas.polygon(&outline::capsule(place(*from), place(*to), radius), look.fill, edge);
         }
         Solid::Ball { center, .. } => {
             let radius = (solid.radius() * scale).max(1.0);
-            canvas.disc(place(*center), radius, BALL, Some(&EDGE));
+            canvas.disc(place(*center), radius, look.ball, edge);
         }
         Solid::Block(corners) => {
             for (i, j) in (0..8usize).flat_map(|i| [1, 2, 4].map(|bit| (i, i | bit))) {
                 if i != j {
-                    canvas.line(&[place(corners[i]), place(corners[j])], &EDGE);
+                    canvas.line(&[place(corners[i]), place(corners[j])], &look.edge);
                 }
             }
         }

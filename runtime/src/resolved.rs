@@ -6,13 +6,12 @@
 use crate::expression::Variable;
 use crate::mechanism::{
     ConstraintKind, Law, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
-    SurfaceForm, Wrap,
 };
 use crate::run::{ResolvedRun, find_runs};
 use crate::structure::{PathStep, segment_path};
-use crate::surface::{Form, Surface};
+use crate::surface::Surface;
 use crate::vector::{Mat3, Transform, Vec3};
-use handc_core::scalar::{Comparison, Scalar};
+use handc_core::scalar::Scalar;
 
 /// A unit axis; the coordinate axes are told apart so that rotations about them stay cheap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -239,6 +238,8 @@ pub struct Resolved<S> {
     pub gravity: Option<Vec3<S>>,
     /// Joint of each link.
     pub joints: Vec<Joint<S>>,
+    /// `world_from_link` where the model starts, if strands wrap surfaces; else empty.
+    pub start: Vec<Transform<S>>,
     /// Lumped matter of each link, if any.
     pub lumps: Vec<Option<Lump<S>>>,
     /// Planar runs.
@@ -265,6 +266,7 @@ impl<S: Scalar> Resolved<S> {
             values,
             gravity: None,
             joints: Vec::new(),
+            start: Vec::new(),
             lumps: Vec::new(),
             runs: Vec::new(),
             strands: Vec::new(),
@@ -278,6 +280,9 @@ impl<S: Scalar> Resolved<S> {
             .iter()
             .map(|link| resolved.joint(&link.motion, &link.parent_from_joint))
             .collect();
+        if mechanism.strands.iter().any(|strand| !strand.wraps.is_empty()) {
+            resolved.start = resolved.start(mechanism);
+        }
         resolved.lumps =
             (0..mechanism.links.len()).map(|link| resolved.lump(mechanism, link as u32)).collect();
         resolved.runs = find_runs(mechanism)
@@ -312,27 +317,12 @@ impl<S: Scalar> Resolved<S> {
         }
     }
     /// A unit axis.
-    fn axis(&self, axis: &NumberVector) -> Axis<S> {
+    pub(crate) fn axis(&self, axis: &NumberVector) -> Axis<S> {
         match principal_axis(axis) {
             Some(0) => Axis::X,
             Some(1) => Axis::Y,
             Some(_) => Axis::Z,
             None => Axis::General(self.vector(axis)),
-        }
-    }
-    /// A surface in the axes of the link that carries it.
-    pub fn surface(&self, wrap: &Wrap) -> Surface<S> {
-        // A radius below zero has no surface: what hangs on it is not a number.
-        let (radius, zero, none) = (self.number(wrap.radius), S::zero(), S::constant(f64::NAN));
-        let radius = S::select(Comparison::LessEqual, zero, radius, radius, none);
-        Surface {
-            form: match &wrap.form {
-                SurfaceForm::Sphere => Form::Sphere,
-                SurfaceForm::Cylinder { axis } => Form::Cylinder(self.axis(axis)),
-            },
-            center: self.vector(&wrap.center.position),
-            radius,
-            side: wrap.side.as_ref().map(|side| self.vector(side)),
         }
     }
     fn joint(&self, motion: &Motion, parent_from_joint: &NumberTransform) -> Joint<S> {
@@ -478,7 +468,7 @@ impl<S: Scalar> Resolved<S> {
             let (a, b) = (self.vector(&pair[0].position), self.vector(&pair[1].position));
             let wrap = strand.wrap(gap);
             let path = segment_path(mechanism, [pair[0], pair[1]], wrap);
-            match (path, wrap.map(|wrap| self.surface(wrap))) {
+            match (path, wrap.map(|wrap| self.surface(strand, wrap))) {
                 (Some(_), Some(surface)) => {
                     segments.push(ResolvedSegment::Wrapped(surface, [a, b]));
                 }

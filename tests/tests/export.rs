@@ -26,6 +26,11 @@ model small {
     mass wheel in crank = sphere { radius = 10 mm; mass = 0.1 kg; at = (0, 0.1, 0) m; }
     strand tendon { path = world (0.06, 0, 0.02) m -> theta (0.01, 0, -0.06) m -> tip; stiffness = k; }
     strand wire { path = world -> jack (0.1, 0, 0) m; stiffness = k; rest = 0.9 m + 0.01 m * sin(3 rad/s * t); }
+    strand round {
+        path = world (0, 0, 0.2) m -> via wrap cylinder(world (0.08, 0, 0.17) m, axis = y, radius = 20 mm, side = -x) -> theta (0.02, 0, -0.06) m
+            -> via wrap sphere(tip, radius = 10 mm) -> world (0.2, 0, -0.1) m;
+        stiffness = k;
+    }
     constraint rod: distance(tip, world (0.6, 0, 0.1) m) = 0.5 m;
     constraint gear: theta == 0.5 * jack + 0.1;
     constraint wall: on_plane(jack (0.1, 0, 0) m, world, normal = y);

@@ -4,12 +4,20 @@
 //! Models go out through the MJCF export, so the export is checked too. The comparison itself is
 //! `tests/witness/compare.py`. It needs Python and network to PyPI once; without them the test says
 //! so and passes. With `HANDC_WITNESS=1` a missing witness is a failure.
+//!
+//! A strand with a hint goes round its surface wherever handc puts it; MuJoCo's tendon jumps to the
+//! straight line at some poses. Where one of them touches a surface and the other does not, where a
+//! point is inside, or where the hint is unclear, that strand is left out at that pose; how often is
+//! counted.
 
 use handc::mjcf::export;
 use handc_core::model::{Midpoint, Model};
 use handc_core::simulation::{Settings, Simulation};
 use handc_runtime::interpreter::Interpreter;
-use handc_runtime::mechanism::Mechanism;
+use handc_runtime::mechanism::{Mechanism, Point, Strand};
+use handc_runtime::resolved::Resolved;
+use handc_runtime::surface::{Form, Surface};
+use handc_runtime::vector::{Transform, Vec3};
 use handc_tests::chance::Chance;
 use handc_tests::load::{mechanism, models, repository};
 use handc_tests::python::environment;
@@ -32,6 +40,8 @@ const BOUND: &str = "1e-10";
 #[derive(Serialize)]
 struct Pose {
     q: Vec<f64>,
+    /// Surfaces that each strand touches; `None` where it is not to be compared.
+    bends: Vec<Option<usize>>,
     lengths: Vec<f64>,
     arms: Vec<f64>,
     mass: Vec<f64>,
@@ -109,10 +119,62 @@ fn pose(at: &mut Beginning, q: Vec<f64>, with_force: bool) -> Pose {
     let v = vec![0.0; n];
     let midpoint = Midpoint { q: &q, v: &v, t: 0.0, rest: &at.rest, inputs: &at.inputs };
     model.evaluate(&midpoint, &mut momentum, &mut force);
-    if !with_force {
+    let mechanism = Arc::clone(model.mechanism());
+    let (poses, numbers) = (model.link_poses(&q), Resolved::new(&mechanism, model.params()));
+    let bends: Vec<Option<usize>> =
+        mechanism.strands.iter().map(|strand| bends(strand, &poses, &numbers)).collect();
+    // What is not a number has no place in JSON.
+    for (strand, _) in bends.iter().enumerate().filter(|(_, bends)| bends.is_none()) {
+        lengths[strand] = 0.0;
+        arms[strand * n..(strand + 1) * n].fill(0.0);
+    }
+    if !with_force || bends.contains(&None) {
         force.clear();
     }
-    Pose { q, lengths, arms, mass, force }
+    Pose { q, bends, lengths, arms, mass, force }
+}
+
+/// Whether a strand that touches a surface lies within 37 degrees of the hint, or goes the shorter way
+/// without one: else MuJoCo, which knows nothing of the start, may take another way.
+fn is_clear(surface: &Surface<f64>, side: Option<Vec3<f64>>, ends: [Vec3<f64>; 2]) -> bool {
+    let flat = |v: Vec3<f64>| match &surface.form {
+        Form::Sphere => v,
+        Form::Cylinder(axis) => axis.reject(v),
+    };
+    let unit = |v: Vec3<f64>| v.scale(1.0 / v.norm_squared().sqrt());
+    let [_, middle, _] = surface.trace(ends, 3)[..] else { return true };
+    let middle = unit(flat(middle - surface.center));
+    match side {
+        Some(side) => unit(flat(side)).dot(middle) > 0.8,
+        None => {
+            let [p, q] = ends.map(|end| unit(flat(end - surface.center)));
+            middle.dot(p + q) > 0.0
+        }
+    }
+}
+
+/// How many surfaces a strand touches; `None` if a point is inside one, or its side is unclear.
+fn bends(strand: &Strand, poses: &[Transform<f64>], numbers: &Resolved<f64>) -> Option<usize> {
+    let place = |point: &Point| {
+        let position = numbers.vector(&point.position);
+        point.link.map_or(position, |link| poses[link as usize].point(position))
+    };
+    let mut count = 0;
+    for wrap in &strand.wraps {
+        let ends = [0, 1].map(|k| {
+            let world = place(&strand.points[wrap.gap as usize + k]);
+            wrap.center.link.map_or(world, |link| poses[link as usize].inverse_point(world))
+        });
+        let surface = numbers.surface(strand, wrap);
+        let length = surface.length(ends);
+        let chord = (ends[1] - ends[0]).norm_squared().sqrt();
+        if length.is_nan() || !is_clear(&surface, wrap.side.map(|side| numbers.vector(&side)), ends)
+        {
+            return None;
+        }
+        count += usize::from(length > chord);
+    }
+    Some(count)
 }
 
 /// Exports a model into a folder and asks handc about poses around its start.

@@ -9,7 +9,7 @@ use handc_runtime::resolved::Resolved;
 use handc_runtime::surface::{Form, Surface};
 use handc_runtime::vector::{Transform, Vec3};
 
-/// Cosine between the hint and the middle of the way below which a small motion may change sides.
+/// Cosine between a hint and the middle of a way below which it does not decide.
 const UNCLEAR: f64 = 0.1;
 
 /// Looks at every surface at the start and, if that is fine, at the starts and poses of scenarios.
@@ -17,9 +17,9 @@ pub(super) fn wraps(context: &mut Context, found: &mut Vec<Diagnostic>) {
     if context.mechanism.strands.iter().all(|strand| strand.wraps.is_empty()) {
         return;
     }
-    for (q, place) in places(context) {
+    for (index, (q, place)) in places(context).into_iter().enumerate() {
         let before = found.len();
-        look(context, &q, &place, found);
+        look(context, &q, &place, index == 0, found);
         if found.len() > before {
             return;
         }
@@ -28,7 +28,8 @@ pub(super) fn wraps(context: &mut Context, found: &mut Vec<Diagnostic>) {
 
 /// The start, then those of scenarios and their poses, with the words for where that is.
 fn places(context: &mut Context) -> Vec<(Vec<f64>, String)> {
-    let start = context.start();
+    let mut start = context.start();
+    context.interpreter.drives(0.0, &mut start);
     let numbers = Resolved::<f64>::new(context.mechanism, context.interpreter.params());
     let moved = |from: &[f64], values: &[(u32, _)]| {
         let mut q = from.to_vec();
@@ -51,18 +52,25 @@ fn places(context: &mut Context) -> Vec<(Vec<f64>, String)> {
     places
 }
 
-fn look(context: &mut Context, q: &[f64], place: &str, found: &mut Vec<Diagnostic>) {
+fn look(
+    context: &mut Context,
+    q: &[f64],
+    place: &str,
+    is_start: bool,
+    found: &mut Vec<Diagnostic>,
+) {
     let numbers = Resolved::<f64>::new(context.mechanism, context.interpreter.params());
     let poses = context.interpreter.link_poses(q);
     for (model, strand) in context.model.strands.iter().zip(&context.mechanism.strands) {
         for (said, wrap) in model.wraps.iter().zip(&strand.wraps) {
-            let surface = numbers.surface(wrap);
+            let surface = numbers.surface(strand, wrap);
             let points = ends(&numbers, &poses, strand, wrap.gap as usize, wrap.center.link);
             let ends = [&model.path[said.gap], &model.path[said.gap + 1]];
             let finding = Finding { strand: &model.name.text, said, ends, place };
-            found.extend(
-                finding.inside(&surface, points).or_else(|| finding.side(&surface, points)),
-            );
+            let side = wrap.side.map(|side| numbers.vector(&side));
+            let decided = || finding.side(&surface, side, points).filter(|_| is_start);
+            let wrong = finding.inside(&surface, points);
+            found.extend(wrong.or_else(decided).or_else(|| finding.around(&surface, points)));
         }
     }
 }
@@ -97,7 +105,7 @@ impl Finding<'_> {
     /// A path point in the surface, or two that are opposite each other on a sphere.
     fn inside(&self, surface: &Surface<f64>, points: [Vec3<f64>; 2]) -> Option<Diagnostic> {
         let (strand, place, span) = (self.strand, self.place, self.said.span);
-        let [before, behind, apart] = surface.clearances(points);
+        let [before, behind, apart, _] = surface.clearances(points);
         if surface.radius.is_nan() {
             let message = format!("a surface of strand `{strand}` has a negative radius");
             return Some(Diagnostic::error("inside-surface", self.said.radius.span, message));
@@ -131,36 +139,38 @@ impl Finding<'_> {
         )
     }
 
-    /// A strand that a small motion would put on the other side.
-    fn side(&self, surface: &Surface<f64>, points: [Vec3<f64>; 2]) -> Option<Diagnostic> {
+    /// A hint that does not decide, or none where one is needed.
+    fn side(
+        &self,
+        surface: &Surface<f64>,
+        hint: Option<Vec3<f64>>,
+        points: [Vec3<f64>; 2],
+    ) -> Option<Diagnostic> {
         let (strand, place, span) = (self.strand, self.place, self.said.span);
-        let arms = points.map(|point| {
-            let arm = point - surface.center;
-            let arm = match &surface.form {
-                Form::Sphere => arm,
-                Form::Cylinder(axis) => axis.reject(arm),
-            };
-            arm.scale(1.0 / arm.norm_squared().sqrt())
-        });
-        let middle = arms[0] + arms[1];
-        let length = middle.norm_squared().sqrt();
-        let Some(hint) = surface.side else {
-            let is_opposite = length < 2.0 * UNCLEAR && matches!(surface.form, Form::Cylinder(_));
+        let flat = |v: Vec3<f64>| match &surface.form {
+            Form::Sphere => v,
+            Form::Cylinder(axis) => axis.reject(v),
+        };
+        let unit = |v: Vec3<f64>| v.scale(1.0 / v.norm_squared().sqrt());
+        let [p, q] = points.map(|point| unit(flat(point - surface.center)));
+        let Some(hint) = hint else {
+            let is_opposite = (p + q).norm_squared() < (2.0 * UNCLEAR).powi(2);
             let message =
                 format!("strand `{strand}` might pass its cylinder on either side, {place}");
             let warning = Diagnostic::warning("unclear-side", span, message)
                 .label("both ways round are almost equally short");
-            return is_opposite.then(|| {
+            return (is_opposite && matches!(surface.form, Form::Cylinder(_))).then(|| {
                 warning.help("say on which side it passes: `side = y`, from the axis to the strand")
             });
         };
-        let hint = match &surface.form {
-            Form::Sphere => hint,
-            Form::Cylinder(axis) => axis.reject(hint),
+        let chord = q - p;
+        let normal = match &surface.form {
+            Form::Sphere => unit(p.cross(q)),
+            Form::Cylinder(axis) => axis.vector(),
         };
-        let cosine = hint.dot(middle).abs() / (length * hint.norm_squared().sqrt());
-        // Half way round, both sides are equally long, and the hint alone decides.
-        if cosine >= UNCLEAR || length < 1e-3 {
+        // Cosine of the angle to the middle of the nearer way, seen in their plane.
+        let cosine = normal.dot(unit(flat(hint)).cross(unit(chord))).abs();
+        if !(cosine < UNCLEAR) {
             return None;
         }
         let message =
@@ -168,5 +178,22 @@ impl Finding<'_> {
         let warning = Diagnostic::warning("unclear-side", span, message)
             .label("it is almost at right angles to both ways round");
         Some(warning.help("point it from the centre to the middle of the strand's way"))
+    }
+
+    /// A strand that would jump to the other side.
+    fn around(&self, surface: &Surface<f64>, points: [Vec3<f64>; 2]) -> Option<Diagnostic> {
+        let (strand, place) = (self.strand, self.place);
+        (surface.clearances(points)[3] < 0.0).then(|| {
+            let message = format!(
+                "strand `{strand}` has come too far round its surface from where the model starts, \
+                 {place}"
+            );
+            let error = Diagnostic::error("too-far-round", self.said.span, message)
+                .label("it would jump to the other side");
+            error.help(
+                "the points before and behind may turn against each other by almost half a turn \
+                 either way from the model's start; over a sphere `side` serves motions in one plane",
+            )
+        })
     }
 }

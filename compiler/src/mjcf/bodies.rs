@@ -75,6 +75,8 @@ fn freedoms(mechanism: &Mechanism, link: u32) -> usize {
 fn referred(mechanism: &Mechanism) -> Vec<u32> {
     let mut links: Vec<Option<u32>> = mechanism.bodies.iter().map(|body| body.link).collect();
     links.extend(mechanism.strands.iter().flat_map(|s| &s.points).map(|p| p.link));
+    let wraps = mechanism.strands.iter().flat_map(|s| &s.wraps);
+    links.extend(wraps.map(|wrap| wrap.center.link));
     for constraint in &mechanism.constraints {
         links.extend(constraint_points(&constraint.kind).iter().map(|p| p.link));
         if let ConstraintKind::Weld { first, second, .. } = constraint.kind {

@@ -61,6 +61,7 @@ pub fn export(mechanism: &Arc<Mechanism>, settings: &Settings) -> Result<Mjcf, R
         body_names: vec![String::new(); links],
         body_taken: Names::default(),
         site_names: Names::default(),
+        geom_names: Names::default(),
         tendon_names: Names::default(),
         equality_names: Names::default(),
         actuator_names: Names::default(),
@@ -85,12 +86,13 @@ struct Exporter<'a> {
     bodies: Vec<BodyPlan>,
     /// For every link, whether it has a body of its own.
     is_body: Vec<bool>,
-    /// Sites of the world, then of every link.
+    /// Sites and surfaces of the world, then of every link.
     sites: Vec<Vec<Element>>,
     /// For every link with a body, the body's name.
     body_names: Vec<String>,
     body_taken: Names,
     site_names: Names,
+    geom_names: Names,
     tendon_names: Names,
     equality_names: Names,
     actuator_names: Names,

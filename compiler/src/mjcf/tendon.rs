@@ -3,7 +3,9 @@
 use super::Exporter;
 use super::law::{reads, varies};
 use super::xml::Element;
-use handc_runtime::mechanism::Law;
+use handc_runtime::mechanism::{Law, Strand, Wrap};
+use handc_runtime::surface::Form;
+use handc_runtime::vector::{Mat3, Transform};
 
 impl Exporter<'_> {
     /// Every strand; those with a natural length that changes get an actuator beside the spring.
@@ -26,6 +28,9 @@ impl Exporter<'_> {
             for (number, point) in strand.points.iter().enumerate() {
                 let site = self.site(&format!("{name}.{}", number + 1), point);
                 path.push(Element::new("site").with("site", site));
+                if let Some(wrap) = strand.wrap(number) {
+                    path.push(self.wrap(&format!("{name}.{}", number + 1), strand, wrap));
+                }
             }
             // A length below zero would mean "the length at zero coordinates".
             let upper = rest.max(0.0);
@@ -57,6 +62,41 @@ impl Exporter<'_> {
              the start",
             &changing,
         );
+    }
+
+    /// A geom to be wrapped, with a site on the side on which the tendon passes.
+    fn wrap(&mut self, name: &str, strand: &Strand, wrap: &Wrap) -> Element {
+        let surface = self.numbers.surface(strand, wrap);
+        let geom_name = self.geom_names.take(&format!("{name}.surface"));
+        let radius = surface.radius;
+        // It is only wrapped: nothing collides with it, and its mass is not read.
+        let geom = Element::new("geom")
+            .with("name", &geom_name)
+            .with_numbers("pos", &surface.center.0)
+            .with("contype", "0")
+            .with("conaffinity", "0")
+            .with("rgba", "0.6 0.6 0.7 0.4");
+        let geom = match &surface.form {
+            Form::Sphere => geom.with("type", "sphere").with_numbers("size", &[radius]),
+            // For the wrap it has no ends.
+            Form::Cylinder(axis) => geom
+                .with("type", "cylinder")
+                .with_numbers("size", &[radius, radius])
+                .with_numbers("zaxis", &axis.vector().0),
+        };
+        self.sites[wrap.center.link.map_or(0, |link| link as usize + 1)].push(geom);
+        let element = Element::new("geom").with("geom", geom_name);
+        let Some(side) = &wrap.side else { return element };
+        let side = self.numbers.vector(side);
+        // Inside the surface it would ask for a tendon that passes within.
+        let mut toward = match &surface.form {
+            Form::Sphere => side,
+            Form::Cylinder(axis) => axis.reject(side),
+        };
+        toward = toward.scale(2.0 * radius / toward.norm_squared().sqrt());
+        let place = Transform { rotation: Mat3::identity(), translation: surface.center + toward };
+        let site = self.framed_site(&format!("{name}.side"), wrap.center.link, &place);
+        element.with("sidesite", site)
     }
 
     /// Whether a strand's natural length depends on time or inputs.

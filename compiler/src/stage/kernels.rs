@@ -223,9 +223,10 @@ fn clearances(symbols: &Symbols) -> Option<Task> {
     symbols.mechanics().clearances(&mut symbols.workspace(), &symbols.q, &mut found);
     let names: Vec<&String> = wraps().map(|(name, _)| name).collect();
     let list = wraps().map(|(name, wrap)| format!("`{name}` over the {wrap}")).collect();
-    let opening = "How far every surface is from being impassable (m), three numbers each: how far the \
-                   point before it and the point behind it are outside, and, on a sphere that is \
-                   touched, how far its centre is from the line between them.";
+    let opening = "How far every surface is from being impassable, four numbers each: how far the point \
+                   before it and the point behind it are outside (m); on a sphere that is touched, how \
+                   far its centre is from the line between them (m); and what is negative where the \
+                   strand would jump to the other side.";
     let about = sentence("Surfaces", list).into_iter().flat_map(|line| [String::new(), line]);
     Some(Task {
         module: Module::Strands,

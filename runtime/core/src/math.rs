@@ -75,10 +75,10 @@ of_one! {
     abs => abs;
 }
 
-/// Angle of the point (x, y).
+/// Angle of the point (x, y) (rad), within two units in the last place.
 #[inline(always)]
 pub fn atan2(y: f64, x: f64) -> f64 {
-    y.atan2(x)
+    Lane::atan2(y, x)
 }
 
 /// Real power.

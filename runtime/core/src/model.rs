@@ -100,11 +100,13 @@ pub trait Model {
     /// written.
     fn commands(&mut self, _at: &Midpoint, _tensions: &mut [f64]) {}
 
-    /// How far each surface is from being impassable (m), three numbers each: how far the point before
-    /// it and the point behind it are outside, and, on a sphere that the strand touches, how far its
-    /// centre is from the line between them, less 10⁻⁹ of the radius. Where one is negative or not a
-    /// number, the strand's length or its derivative is not a number. Not called for a model whose
-    /// strands wrap nothing.
+    /// How far each surface is from being impassable, [`CLEARANCES`](crate::passage::CLEARANCES)
+    /// numbers each: how far the point before it and the point behind it are outside (m); on a sphere
+    /// that the strand touches, how far its centre is from the line between them, less 10⁻⁹ of the
+    /// radius (m); and a number without a unit that is negative where the points have come so far
+    /// round that the strand would jump to the other side. Where one is negative or not a number, the
+    /// strand's length or its derivative is not a number. Not called for a model whose strands wrap
+    /// nothing.
     fn clearances(&mut self, _q: &[f64], _clearances: &mut [f64]) {}
 
     /// Default inputs at time t, length u.

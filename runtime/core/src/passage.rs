@@ -7,7 +7,7 @@
 use crate::model::{Midpoint, Model};
 
 /// Numbers that a model tells of each surface ([`Model::clearances`]).
-pub const CLEARANCES: usize = 3;
+pub const CLEARANCES: usize = 4;
 
 /// A strand that cannot pass its surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +54,13 @@ pub(crate) fn blocked<M: Model>(model: &mut M, q: &[f64]) -> Option<Blocked> {
                 .to_string(),
             "a cylinder, whose axis tells the way round, or a path point beside the sphere",
         ),
+        Fault::Around => (
+            "the points before and behind it have come so far round from where the model starts that \
+             the strand would jump to the other side"
+                .to_string(),
+            "a start nearer to the middle of the motion; over a sphere `side` serves motions in one \
+             plane alone",
+        ),
         Fault::NotANumber => (
             "its radius is negative, or a place is not a number".to_string(),
             "parameters within their range",
@@ -72,6 +79,8 @@ enum Fault {
     Behind,
     /// Both are opposite each other on a sphere.
     Opposite,
+    /// Both have come too far round.
+    Around,
     /// Something is not a number, or the radius is negative.
     NotANumber,
 }
@@ -81,7 +90,7 @@ fn worst(found: &[f64]) -> Option<(Fault, f64)> {
     if found.iter().any(|x| x.is_nan()) {
         return Some((Fault::NotANumber, f64::NEG_INFINITY));
     }
-    let faults = [Fault::Before, Fault::Behind, Fault::Opposite];
+    let faults = [Fault::Before, Fault::Behind, Fault::Opposite, Fault::Around];
     let bad = faults.into_iter().zip(found.iter().copied()).filter(|fault| fault.1 < 0.0);
     bad.reduce(|a, b| if b.1 < a.1 { b } else { a })
 }
@@ -92,10 +101,11 @@ mod tests {
 
     #[test]
     fn the_worst_fault_is_told() {
-        assert_eq!(worst(&[0.1, 0.2, 0.3]), None);
-        assert_eq!(worst(&[0.1, -0.2, 0.3]), Some((Fault::Behind, -0.2)));
-        assert_eq!(worst(&[-0.3, -0.2, 0.0]), Some((Fault::Before, -0.3)));
-        assert_eq!(worst(&[0.3, 0.2, -1e-9]), Some((Fault::Opposite, -1e-9)));
-        assert_eq!(worst(&[f64::NAN, 0.2, 1.0]).map(|f| f.0), Some(Fault::NotANumber));
+        assert_eq!(worst(&[0.1, 0.2, 0.3, 1.0]), None);
+        assert_eq!(worst(&[0.1, -0.2, 0.3, 1.0]), Some((Fault::Behind, -0.2)));
+        assert_eq!(worst(&[-0.3, -0.2, 0.0, 1.0]), Some((Fault::Before, -0.3)));
+        assert_eq!(worst(&[0.3, 0.2, -1e-9, 1.0]), Some((Fault::Opposite, -1e-9)));
+        assert_eq!(worst(&[0.3, 0.2, 0.1, -2.0]), Some((Fault::Around, -2.0)));
+        assert_eq!(worst(&[f64::NAN, 0.2, 1.0, 1.0]).map(|f| f.0), Some(Fault::NotANumber));
     }
 }

@@ -135,7 +135,7 @@ impl Scalar for f64 {
     }
     #[inline]
     fn atan2(self, x: Self) -> Self {
-        f64::atan2(self, x)
+        crate::math::atan2(self, x)
     }
     #[inline]
     fn powi(self, exponent: i32) -> Self {

@@ -42,7 +42,7 @@ pub(crate) struct Crossing<S> {
     /// r: motion of the end.
     pub(crate) motion: Vec3<S>,
     /// s: motion of the other end, were it carried too.
-    pub(crate) other: Vec3<S>,
+    other: Vec3<S>,
 }
 
 /// The segments of one strand: lengths summed, the rest one after another.
@@ -340,6 +340,11 @@ impl<S: Scalar> Crossing<S> {
             motion: zero,
             other: zero,
         }
+    }
+    /// u × w for a direction u in the middle's axes.
+    #[inline]
+    pub(crate) fn turning(&self, direction: Vec3<S>) -> Vec3<S> {
+        if self.rotates { direction.cross(self.axis) } else { Vec3::zero() }
     }
     /// Works out r and s in the middle, where the other end is `beyond` this one.
     #[inline]

@@ -1,9 +1,9 @@
 //! A segment over a surface, in the axes of the link that carries it.
 //!
-//! With u, b, κ and c of the way's ends ([`Way`]), r the motion of the end on its side by a joint and
-//! s that of the point at 1/κ behind it, were it carried by the joint too,
+//! With u, b, κ and c of the way's ends ([`Way`]), w the (signed) axis of a joint and r the motion of
+//! the end on its side by its coordinate,
 //!
-//! x_j = u·r_j,  x_jk = κ(s_j·r_k − x_j x_k) + c(b·r_j)(b·r_k)
+//! x_j = u·r_j,  x_jk = κ(r_j·r_k − x_j x_k) + (u × w_j)·r_k + c(b·r_j)(b·r_k)
 //!
 //! for joints on one side, j the one nearer the surface; for joints on both,
 //! x_jk = `cross_straight`·(r_j·r_k + x_j x_k) + `cross_bent`·(b_p·r_j)(b_q·r_k).
@@ -12,7 +12,6 @@
 
 use super::segment::{Order, Segments};
 use super::{Mechanics, Workspace};
-use crate::mechanism::Wrap;
 use crate::structure::SegmentPath;
 use crate::surface::Surface;
 use crate::vector::Vec3;
@@ -48,7 +47,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         let start = out.length_dq.len();
         for (i, crossing) in crossings.iter_mut().enumerate() {
             let end = &way.ends[side(i)];
-            crossing.arrive(-end.direction.scale(end.reach));
+            crossing.arrive(Vec3::zero());
             out.length_dq.push(end.direction.dot(crossing.motion));
         }
         if order != Order::Second {
@@ -59,12 +58,13 @@ impl<S: Scalar> Mechanics<'_, S> {
         for (i, nearer) in crossings.iter().enumerate() {
             let end = &way.ends[side(i)];
             let bent = end.binormal.dot(nearer.motion);
+            let turning = nearer.turning(end.direction) + nearer.motion.scale(end.curvature);
             for (j, outer) in crossings[..=i].iter().enumerate() {
                 let other = &way.ends[side(j)];
                 let bends = bent * other.binormal.dot(outer.motion);
                 let product = length_dq[i] * length_dq[j];
                 let square = if side(i) == side(j) {
-                    end.curvature * (nearer.other.dot(outer.motion) - product) + end.excess * bends
+                    turning.dot(outer.motion) - end.curvature * product + end.excess * bends
                 } else {
                     way.cross_straight * (nearer.motion.dot(outer.motion) + product)
                         + way.cross_bent * bends
@@ -77,22 +77,21 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// How far every surface is from being impassable at q (m), three numbers each
+    /// How far every surface is from being impassable at q, [`CLEARANCES`] numbers each
     /// ([`Surface::clearances`]).
     pub fn clearances(&self, workspace: &mut Workspace<S>, q: &[S], clearances: &mut [S]) {
         self.prepare(workspace, q);
         self.world_links(workspace, q, |_| true);
-        let wraps = self.mechanism.strands.iter().flat_map(|strand| {
-            let points = |wrap: &Wrap| [0, 1].map(|k| strand.points[wrap.gap as usize + k]);
-            strand.wraps.iter().map(move |wrap| (wrap, points(wrap)))
-        });
-        for ((wrap, points), found) in wraps.zip(clearances.chunks_mut(CLEARANCES)) {
+        let strands = self.mechanism.strands.iter();
+        let wraps = strands.flat_map(|s| s.wraps.iter().map(move |wrap| (s, wrap)));
+        for ((strand, wrap), found) in wraps.zip(clearances.chunks_mut(CLEARANCES)) {
             let world_from_link = self.world_from(workspace, wrap.center.link);
-            let points = points.map(|point| {
+            let points = [0, 1].map(|k| {
+                let point = &strand.points[wrap.gap as usize + k];
                 let world = self.world_from(workspace, point.link);
                 world_from_link.inverse_point(world.point(self.numbers.vector(&point.position)))
             });
-            found.copy_from_slice(&self.numbers.surface(wrap).clearances(points));
+            found.copy_from_slice(&self.numbers.surface(strand, wrap).clearances(points));
         }
     }
 }

@@ -11,19 +11,21 @@
 //! two straight lines). φ is one angle of a product of three complex numbers,
 //! (cos θ + i sin θ)(r − iT_p)(r − iT_q), so that no inverse cosine loses digits.
 //!
-//! Side: let d be the hint and m the direction midway between p and q along the way. Of the two ways
-//! round the one with m·d ≥ 0 is taken, so that the strand stays on its side as long as m stays
-//! within a right angle of d. Without a hint it is the shorter way.
+//! Which way round is decided where the model starts and kept ([`Sense`]), so that nothing jumps.
 //!
 //! A point inside the surface has no tangent: T is the root of a negative number, and x is not a
 //! number. Over a sphere, points opposite each other have no plane, and x no derivative.
 
+mod resolve;
+mod sense;
+mod trace;
 mod turn;
 
 use crate::resolved::Axis;
 use crate::vector::Vec3;
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
+pub use sense::Sense;
 use turn::Turn;
 
 /// The form of a surface with its numbers.
@@ -44,8 +46,9 @@ pub struct Surface<S> {
     pub center: Vec3<S>,
     /// Its radius (m).
     pub radius: S,
-    /// Unit vector to the side on which the strand passes, if it is told.
-    pub side: Option<Vec3<S>>,
+    /// Which way round the strand passes; `None`: always the shorter one, as over a sphere, where a
+    /// strand slides to it.
+    pub sense: Option<Sense<S>>,
 }
 
 /// A way with what its derivatives are made of.
@@ -74,8 +77,6 @@ pub struct End<S> {
     pub direction: Vec3<S>,
     /// κ: curvature of x across the strand (1/m).
     pub curvature: S,
-    /// 1/κ: how far behind the end the strand turns about (m).
-    pub reach: S,
     /// b: unit vector across the strand, along the surface.
     pub binormal: Vec3<S>,
     /// c: curvature along the binormal beyond κ (1/m).
@@ -91,8 +92,9 @@ impl<S: Scalar> Surface<S> {
         turn.choose(straight, hypotenuse(turn.length, advance))
     }
 
-    /// How far the points are outside, and how far the centre of a sphere that is touched is from the
-    /// line between them, less 10⁻⁹ of the radius (m).
+    /// How far the points are outside, how far the centre of a sphere that is touched is from the line
+    /// between them, less 10⁻⁹ of the radius (m); and what is below zero where the sense is lost
+    /// ([`Sense`]), in no unit.
     pub fn clearances(&self, points: [Vec3<S>; 2]) -> [S; CLEARANCES] {
         let turn = self.turn(points);
         let [before, behind] = turn.squares.map(|p| p.sqrt() - self.radius);
@@ -104,32 +106,111 @@ impl<S: Scalar> Surface<S> {
                 turn.choose(self.radius, turn.sine.abs() / distance - least)
             }
         };
-        [before, behind, off]
+        [before, behind, off, turn.sure]
     }
 
     /// The way between two points in the link's axes, with its derivatives.
     pub fn way(&self, points: [Vec3<S>; 2]) -> Way<S> {
         let turn = self.turn(points);
-        let bent = match &self.form {
-            Form::Sphere => self.over_sphere(points, &turn),
-            Form::Cylinder(axis) => self.over_cylinder(axis, points, &turn),
-        };
         let difference = points[1] - points[0];
-        let length = difference.norm_squared().sqrt();
-        let inverse = length.recip();
-        let along = difference.scale(inverse);
-        let mut ends = bent.ends;
-        for (end, direction) in ends.iter_mut().zip([-along, along]) {
-            end.direction = turn.choose_vector(direction, end.direction);
-            end.curvature = turn.choose(inverse, end.curvature);
-            end.reach = turn.choose(length, end.reach);
-            end.excess = turn.choose(S::zero(), end.excess);
+        match &self.form {
+            Form::Sphere => {
+                let [p, q] = turn.points;
+                // A straight line may point at the centre, and needs no plane.
+                let inverse = turn.choose(S::zero(), turn.sine.recip());
+                let normal = p.cross(q).scale(inverse);
+                let ahead = turn.points.map(|point| normal.cross(point));
+                let mut way = self.flat(&turn, difference, ahead);
+                // Out of its plane the way bends by (T + r cot θ)/p² at an end, and by −r/(pq sin θ)
+                // between the ends.
+                let bend = self.radius * inverse;
+                for (i, end) in way.ends.iter_mut().enumerate() {
+                    let bent = (turn.tangents[i] + bend * turn.cosine) / turn.squares[i];
+                    end.binormal = normal;
+                    end.excess = turn.choose(S::zero(), bent - end.curvature);
+                }
+                way.cross_bent = -bend;
+                way
+            }
+            Form::Cylinder(axis) => {
+                let ahead = turn.points.map(|point| axis.cross(point).scale(turn.sign));
+                let advance = axis.dot(difference);
+                if !advance.is_known_zero() {
+                    return self.helix(&turn, difference, ahead, (axis.vector(), advance));
+                }
+                let mut way = self.flat(&turn, difference, ahead);
+                let inverse = turn.length.recip();
+                for (end, sign) in way.ends.iter_mut().zip([S::one(), -S::one()]) {
+                    end.binormal = axis.vector().scale(sign);
+                    end.excess = turn.choose(S::zero(), inverse - end.curvature);
+                }
+                way.cross_bent = turn.choose(S::zero(), inverse);
+                way
+            }
         }
+    }
+
+    /// What the ends of a turn point along, times p²: T_p p − r n×p and T_q q + r n×q.
+    fn toward(&self, turn: &Turn<S>, ahead: [Vec3<S>; 2]) -> [Vec3<S>; 2] {
+        let radii = [-self.radius, self.radius];
+        [0, 1].map(|i| turn.points[i].scale(turn.tangents[i]) + ahead[i].scale(radii[i]))
+    }
+
+    /// A way in one plane, but for how it bends out of it; `ahead` is n×p and n×q.
+    fn flat(&self, turn: &Turn<S>, difference: Vec3<S>, ahead: [Vec3<S>; 2]) -> Way<S> {
+        let straight = difference.norm_squared().sqrt();
+        let toward = self.toward(turn, ahead);
+        let chords = [-difference, difference];
+        let mut cross = S::zero();
+        let ends = [0, 1].map(|i| {
+            // One quotient serves the line and the tangent.
+            let factor = turn.choose(straight, turn.squares[i]).recip();
+            cross = turn.choose(-factor, S::zero());
+            End {
+                direction: turn.choose_vector(chords[i], toward[i]).scale(factor),
+                curvature: turn.choose(factor, turn.tangents[i].recip()),
+                binormal: Vec3::zero(),
+                excess: S::zero(),
+            }
+        });
+        let length = turn.choose(straight, turn.length);
+        Way { length, ends, cross_straight: cross, cross_bent: S::zero() }
+    }
+
+    /// A way over a cylinder with a helix: with u the directions in the plane across the axis a,
+    /// (s u_p − z a)/x and (s u_q + z a)/x; the binormals are those turned by a right angle, and the
+    /// curvature is that of the tangent across the axis, s/(xT).
+    fn helix(
+        &self,
+        turn: &Turn<S>,
+        difference: Vec3<S>,
+        ahead: [Vec3<S>; 2],
+        (axis, advance): (Vec3<S>, S),
+    ) -> Way<S> {
+        let bent = turn.length * turn.length + advance * advance;
+        let length = turn.choose(difference.norm_squared(), bent).sqrt();
+        let inverse = length.recip();
+        let toward = self.toward(turn, ahead);
+        let chords = [-difference, difference];
+        let signs = [-S::one(), S::one()];
+        let ends = [0, 1].map(|i| {
+            let flat = toward[i].scale(turn.squares[i].recip());
+            let along = flat.scale(turn.length) + axis.scale(signs[i] * advance);
+            let across = flat.scale(advance) - axis.scale(signs[i] * turn.length);
+            let slope = turn.choose(S::one(), turn.length / turn.tangents[i]);
+            let curvature = inverse * slope;
+            End {
+                direction: turn.choose_vector(chords[i], along).scale(inverse),
+                curvature,
+                binormal: across.scale(inverse),
+                excess: inverse - curvature,
+            }
+        });
         Way {
-            length: turn.choose(length, bent.length),
+            length,
             ends,
             cross_straight: turn.choose(-inverse, S::zero()),
-            cross_bent: turn.choose(S::zero(), bent.cross_bent),
+            cross_bent: turn.choose(S::zero(), inverse),
         }
     }
 
@@ -139,63 +220,6 @@ impl<S: Scalar> Surface<S> {
             Form::Sphere => S::zero(),
             Form::Cylinder(axis) => axis.dot(points[1] - points[0]),
         }
-    }
-
-    /// A way that touches a sphere. Out of its plane it bends by (T + r cot θ)/p² at an end and by
-    /// −r/(pq sin θ) between the ends.
-    fn over_sphere(&self, points: [Vec3<S>; 2], turn: &Turn<S>) -> Way<S> {
-        let [p, q] = points.map(|point| point - self.center);
-        let inverse = turn.sine.recip();
-        let normal = p.cross(q).scale(inverse);
-        let directions = self.directions(turn, turn.points.map(|point| normal.cross(point)));
-        let bend = self.radius * inverse;
-        let end = |i: usize| {
-            let tangent: S = turn.tangents[i];
-            let curvature = tangent.recip();
-            let across = (tangent + bend * turn.cosine) / turn.squares[i];
-            End {
-                direction: directions[i],
-                curvature,
-                reach: tangent,
-                binormal: normal,
-                excess: across - curvature,
-            }
-        };
-        Way {
-            length: turn.length,
-            ends: [end(0), end(1)],
-            cross_straight: S::zero(),
-            cross_bent: -bend,
-        }
-    }
-
-    /// A way that touches a cylinder: with u the directions in the plane across the axis a,
-    /// (s u_p − z a)/x and (s u_q + z a)/x; the binormals are those turned by a right angle.
-    fn over_cylinder(&self, axis: &Axis<S>, points: [Vec3<S>; 2], turn: &Turn<S>) -> Way<S> {
-        let ahead = turn.points.map(|point| axis.cross(point).scale(turn.sign));
-        let directions = self.directions(turn, ahead);
-        let advance = self.advance(points);
-        let length = hypotenuse(turn.length, advance);
-        let inverse = length.recip();
-        // Sine and cosine of the helix' slope.
-        let (rise, level) = match advance.is_known_zero() {
-            true => (S::zero(), S::one()),
-            false => (advance * inverse, turn.length * inverse),
-        };
-        let axis = axis.vector();
-        let end = |i: usize| {
-            let sign = if i == 0 { -S::one() } else { S::one() };
-            let tangent: S = turn.tangents[i];
-            let curvature = level / tangent;
-            End {
-                direction: directions[i].scale(level) + axis.scale(sign * rise),
-                curvature,
-                reach: tangent / level,
-                binormal: directions[i].scale(rise) - axis.scale(sign * level),
-                excess: inverse - curvature,
-            }
-        };
-        Way { length, ends: [end(0), end(1)], cross_straight: S::zero(), cross_bent: inverse }
     }
 }
 

@@ -22,6 +22,8 @@ pub(super) struct Turn<S> {
     pub(super) free: S,
     /// T_p + T_q + rφ.
     pub(super) length: S,
+    /// Below zero where the sense is lost.
+    pub(super) sure: S,
 }
 
 impl<S: Scalar> Turn<S> {
@@ -49,27 +51,11 @@ impl<S: Scalar> Surface<S> {
             }
         };
         let squares = points.map(|point| point.norm_squared());
-        let sign = match (&self.form, self.side) {
-            (Form::Sphere, None) => one,
-            (Form::Cylinder(_), None) => S::select(Comparison::Less, plain, zero, -one, one),
-            // m·d has the sign of d·(p/‖p‖ + q/‖q‖) if θ < π, and against the turn that of
-            // (a × d)·(q/‖q‖ − p/‖p‖). Squares that keep their sign need no root.
-            (form, Some(side)) => {
-                let (toward, first) = match form {
-                    Form::Sphere => (side, -one),
-                    Form::Cylinder(axis) => (axis.cross(side), one),
-                };
-                let [p, q] = points.map(|point| toward.dot(point));
-                let [p, q] = [p * p.abs() * squares[1] * first, q * q.abs() * squares[0]];
-                S::select(Comparison::Less, q, p, -one, one)
-            }
-        };
-        let sine = match (&self.form, self.side) {
-            (Form::Sphere, None) => plain,
-            (Form::Cylinder(_), None) => plain.abs(),
-            _ => sign * plain,
-        };
         let cosine = points[0].dot(points[1]);
+        let (sign, sine, sure) = match &self.sense {
+            None => (one, plain, one),
+            Some(sense) => sense.turn(&self.form, points, squares, (plain, cosine)),
+        };
         let square = self.radius * self.radius;
         let tangents = squares.map(|p| (p - square).sqrt());
         // (r − iT_p)(r − iT_q) = real − i·imaginary.
@@ -80,21 +66,18 @@ impl<S: Scalar> Surface<S> {
         let across = sine * real - cosine * imaginary;
         // 0 ≤ φ < 2π where the strand touches.
         let angle = (-across).atan2(-along) + S::constant(std::f64::consts::PI);
-        // A strand that turns by less than half a turn touches if φ > 0; by more, always.
-        let free = match self.side {
-            None => -across,
-            Some(_) => S::select(Comparison::LessEqual, zero, sine, -across, -one),
-        };
         let length = tangent + self.radius * angle;
-        Turn { points, squares, tangents, sign, sine, cosine, free, length }
-    }
-
-    /// The two ends of a turn: u_p = (T_p p − r n×p)/p², u_q = (T_q q + r n×q)/q².
-    pub(super) fn directions(&self, turn: &Turn<S>, ahead: [Vec3<S>; 2]) -> [Vec3<S>; 2] {
-        let radii = [-self.radius, self.radius];
-        [0, 1].map(|i| {
-            let toward = turn.points[i].scale(turn.tangents[i]) + ahead[i].scale(radii[i]);
-            toward.scale(turn.squares[i].recip())
-        })
+        // A strand that turns by less than half a turn touches if φ > 0; by more, always. Where its
+        // sense is lost it has no length.
+        let (free, length) = match self.sense {
+            None => (-across, length),
+            Some(_) => {
+                let free = S::select(Comparison::LessEqual, zero, sine, -across, -one);
+                let none = S::constant(f64::NAN);
+                let kept = |x: S| S::select(Comparison::LessEqual, zero, sure, x, none);
+                (kept(free), kept(length))
+            }
+        };
+        Turn { points, squares, tangents, sign, sine, cosine, free, length, sure }
     }
 }

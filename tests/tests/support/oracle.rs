@@ -22,6 +22,9 @@ pub(crate) struct Oracle<'a> {
     pub(crate) structure: Structure,
 }
 
+/// About what a way turns at the start, and by how much (rad).
+type Start = Option<(Vec3<f64>, f64)>;
+
 impl<'a> Oracle<'a> {
     /// Analyses a mechanism.
     pub(crate) fn new(mechanism: &'a Mechanism) -> Self {
@@ -118,7 +121,10 @@ impl<'a> Oracle<'a> {
                 let [a, b] = [0, 1].map(|i| Self::place(&poses, &numbers, &pair[i]));
                 sum += match strand.wrap(gap) {
                     None => (b - a).norm_squared().sqrt(),
-                    Some(wrap) => Self::way(&poses, &numbers, wrap, [a, b]),
+                    Some(wrap) => {
+                        let start = self.start(strand, wrap);
+                        Self::way(&poses, &numbers, wrap, ([a, b], &start))
+                    }
                 };
             }
             sum
@@ -126,33 +132,33 @@ impl<'a> Oracle<'a> {
         self.mechanism.strands.iter().map(length).collect()
     }
 
-    /// Length of the way over a surface by angles, in the world.
+    /// Length of the way over a surface by angles, in the world. Over a cylinder, and over a sphere with
+    /// a hint, the angle is followed from the start.
     fn way<S: Scalar>(
         poses: &[Transform<S>],
         numbers: &Resolved<S>,
         wrap: &Wrap,
-        points: [Vec3<S>; 2],
+        (points, start): ([Vec3<S>; 2], &Start),
     ) -> S {
-        let turned = |v| {
-            let v = numbers.vector(v);
-            wrap.center.link.map_or(v, |link| poses[link as usize].rotation * v)
-        };
         let center = Self::place(poses, numbers, &wrap.center);
+        let turned = |v: Vec3<S>| wrap.center.link.map_or(v, |l| poses[l as usize].rotation * v);
         let mut arms = points.map(|point| point - center);
         let mut rise = S::zero();
         if let SurfaceForm::Cylinder { axis } = &wrap.form {
-            let axis = turned(axis);
+            let axis = turned(numbers.vector(axis));
             rise = axis.dot(arms[1] - arms[0]);
             arms = arms.map(|arm| arm - axis.scale(axis.dot(arm)));
         }
-        let r = numbers.number(wrap.radius);
+        let (r, o) = (numbers.number(wrap.radius), S::zero());
         let norms = arms.map(|arm| arm.norm_squared().sqrt());
-        let mut angle = arms[0].cross(arms[1]).norm_squared().sqrt().atan2(arms[0].dot(arms[1]));
-        if let Some(side) = &wrap.side {
-            let middle = arms[0].scale(norms[0].recip()) + arms[1].scale(norms[1].recip());
-            let other = S::constant(std::f64::consts::TAU) - angle;
-            let on_side = turned(side).dot(middle);
-            angle = S::select(Comparison::Less, on_side, S::zero(), other, angle);
+        let turn = arms[0].cross(arms[1]);
+        let mut angle = turn.norm_squared().sqrt().atan2(arms[0].dot(arms[1]));
+        if let Some((about, first)) = start {
+            let about = turned(Vec3(about.0.map(S::constant)));
+            angle = S::select(Comparison::Less, about.dot(turn), o, -angle, angle);
+            let whole = S::constant(std::f64::consts::TAU);
+            let low = S::constant((first - std::f64::consts::PI).min(0.0));
+            angle = S::select(Comparison::Less, angle, low, angle + whole, angle).abs();
         }
         let mut flat = S::zero();
         for norm in norms {
@@ -162,7 +168,38 @@ impl<'a> Oracle<'a> {
         flat += r * angle;
         let straight = (points[1] - points[0]).norm_squared().sqrt();
         let bent = (flat * flat + rise * rise).sqrt();
-        S::select(Comparison::Less, S::zero(), angle, bent, straight)
+        S::select(Comparison::Less, o, angle, bent, straight)
+    }
+
+    /// About what a way turns where the model starts, in the axes of the surface's link, and by how
+    /// much; `None` where it is always the shorter way.
+    fn start(&self, strand: &Strand, wrap: &Wrap) -> Start {
+        if wrap.side.is_none() && wrap.form == SurfaceForm::Sphere {
+            return None;
+        }
+        let numbers = self.numbers::<f64>();
+        let starts = self.mechanism.coordinates.iter().map(|c| numbers.number(c.start));
+        let poses = self.poses(&starts.collect::<Vec<f64>>());
+        let local =
+            |v: Vec3<f64>| wrap.center.link.map_or(v, |l| poses[l as usize].inverse_point(v));
+        let center = numbers.vector(&wrap.center.position);
+        let arms = [0, 1].map(|k| {
+            let point = &strand.points[wrap.gap as usize + k];
+            let arm = local(Self::place(&poses, &numbers, point)) - center;
+            match &wrap.form {
+                SurfaceForm::Sphere => arm,
+                SurfaceForm::Cylinder { axis } => {
+                    let axis = numbers.vector(axis);
+                    arm - axis.scale(axis.dot(arm))
+                }
+            }
+        });
+        let unit = |v: Vec3<f64>| v.scale(1.0 / v.norm_squared().sqrt());
+        let (turn, cosine) = (arms[0].cross(arms[1]), arms[0].dot(arms[1]));
+        let angle = turn.norm_squared().sqrt().atan2(cosine);
+        let middle = unit(arms[0]) + unit(arms[1]);
+        let is_far = wrap.side.is_some_and(|side| numbers.vector(&side).dot(middle) < 0.0);
+        Some(if is_far { (-turn, std::f64::consts::TAU - angle) } else { (turn, angle) })
     }
 
     /// Energy of a strand by its length.

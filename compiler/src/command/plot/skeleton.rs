@@ -6,12 +6,17 @@ use handc_dsl::hir::{self, BinaryOp, Expr, ExprKind, JointKind, MassKind};
 use handc_plot::PoseFigure;
 use handc_plot::pose::{Pose, Solid, Spot, instants};
 use handc_runtime::interpreter::Interpreter;
-use handc_runtime::mechanism::{ConstraintKind, Mechanism, Point};
+use handc_runtime::mechanism::{ConstraintKind, Mechanism, Point, Strand};
 use handc_runtime::resolved::{Resolved, constraint_points};
+use handc_runtime::surface::Form;
 use handc_runtime::vector::{Transform, Vec3};
 
 /// Poses in a picture.
 const POSES: usize = 6;
+/// Places along a strand's way over a surface.
+const ARC: usize = 24;
+/// Half the length of a cylinder that is wrapped, as it is drawn, in radii: it has no ends.
+const THICK: f64 = 0.7;
 
 /// What does not change from pose to pose.
 struct Skeleton<'a> {
@@ -102,10 +107,12 @@ impl<'a> Placed<'a> {
 
     fn point(&self, point: &Point) -> Option<Spot> {
         let position = self.skeleton.numbers.vector(&point.position);
-        match point.link {
-            None => Some(position.0),
-            Some(link) => self.links[link as usize].map(|link| link.point(position).0),
-        }
+        self.link(point.link).map(|link| link.point(position).0)
+    }
+
+    /// `world_from_link`, if it is known.
+    fn link(&self, link: Option<u32>) -> Option<Transform<f64>> {
+        link.map_or(Some(Transform::identity()), |link| self.links[link as usize])
     }
 
     fn pose(&self, time: f64) -> Pose {
@@ -123,15 +130,53 @@ impl<'a> Placed<'a> {
             caption: None,
             forces: Vec::new(),
             solids,
+            surfaces: self.surfaces(),
             bars: self.bars(),
             joints: joints.map(|j| self.frames[j.frame.index()].translation.0).collect(),
             anchors: anchors.filter_map(|point| self.point(point)).collect(),
-            strands: mechanism
-                .strands
-                .iter()
-                .map(|strand| strand.points.iter().filter_map(|p| self.point(p)).collect())
-                .collect(),
+            strands: mechanism.strands.iter().map(|strand| self.path(strand)).collect(),
         }
+    }
+
+    /// A strand from point to point, along the surfaces between.
+    fn path(&self, strand: &Strand) -> Vec<Spot> {
+        let mut path = Vec::new();
+        for (gap, point) in strand.points.iter().enumerate() {
+            path.extend(self.point(point));
+            let Some(wrap) = strand.wrap(gap) else { continue };
+            let Some(place) = self.link(wrap.center.link) else { continue };
+            let ends = [point, &strand.points[gap + 1]].map(|point| self.point(point));
+            let [Some(first), Some(second)] = ends else { continue };
+            let ends = [first, second].map(|end| place.inverse_point(Vec3(end)));
+            let trace = self.skeleton.numbers.surface(strand, wrap).trace(ends, ARC);
+            path.extend(trace.into_iter().map(|local| place.point(local).0));
+        }
+        path
+    }
+
+    /// The surfaces that strands wrap, each once.
+    fn surfaces(&self) -> Vec<Solid> {
+        let strands = self.skeleton.mechanism.strands.iter();
+        let wraps = strands.flat_map(|strand| strand.wraps.iter().map(move |wrap| (strand, wrap)));
+        let mut solids: Vec<Solid> = Vec::new();
+        for (strand, wrap) in wraps {
+            let Some(place) = self.link(wrap.center.link) else { continue };
+            let surface = self.skeleton.numbers.surface(strand, wrap);
+            let (center, radius) = (surface.center, surface.radius);
+            let solid = match &surface.form {
+                Form::Sphere => Solid::Ball { center: place.point(center).0, radius },
+                Form::Cylinder(axis) => {
+                    let end = |sign: f64| {
+                        place.point(center + axis.vector().scale(sign * THICK * radius)).0
+                    };
+                    Solid::Rod { from: end(-1.0), to: end(1.0), radius }
+                }
+            };
+            if !solids.contains(&solid) {
+                solids.push(solid);
+            }
+        }
+        solids
     }
 
     /// Lines from joint to joint, to the masses and frames of a link, and along constant distances.

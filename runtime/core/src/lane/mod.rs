@@ -5,6 +5,7 @@
 //! program runs, by asking the processor, so that one program is right everywhere and fast where it
 //! can be.
 
+mod arc;
 mod sine;
 pub(crate) mod sweep;
 #[cfg(target_arch = "x86_64")]
@@ -80,6 +81,18 @@ pub trait Lane:
     fn equal(self, other: Self) -> u8;
     /// `then` in the lanes whose bit is set, else `otherwise`.
     fn choose(bits: u8, then: Self, otherwise: Self) -> Self;
+    /// `then` where this is less than `right`, else `otherwise`.
+    #[inline(always)]
+    fn if_less(left: Self, right: Self, then: Self, otherwise: Self) -> Self {
+        Self::choose(left.less(right), then, otherwise)
+    }
+    /// As [`Lane::if_less`], or equal.
+    #[inline(always)]
+    fn if_less_equal(left: Self, right: Self, then: Self, otherwise: Self) -> Self {
+        Self::choose(left.less_equal(right), then, otherwise)
+    }
+    /// The absolute value with the sign of `other`, that of zero too.
+    fn with_sign_of(self, other: Self) -> Self;
     /// Sine and cosine in the quadrant that the low bits of `shifted` count.
     fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self);
 
@@ -101,6 +114,11 @@ pub trait Lane:
         } else {
             (self.map(f64::sin), self.map(f64::cos))
         }
+    }
+    /// Angle of the point (x = `x`, y = `self`) (rad), within two units in the last place.
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        arc::angle(self, x)
     }
     /// Bits of all lanes.
     const ALL: u8 = ((1u16 << Self::WIDTH) - 1) as u8;
@@ -174,6 +192,10 @@ impl Lane for f64 {
         if bits & 1 == 1 { then } else { otherwise }
     }
     #[inline(always)]
+    fn with_sign_of(self, other: f64) -> f64 {
+        self.copysign(other)
+    }
+    #[inline(always)]
     fn turn(shifted: f64, sine: f64, cosine: f64) -> (f64, f64) {
         let quadrant = shifted.to_bits();
         let flip = |x: f64, second_bit: u64| f64::from_bits(x.to_bits() ^ (second_bit << 62));
@@ -239,7 +261,7 @@ pub mod functions {
     /// Angle of the point (x, y).
     #[inline(always)]
     pub fn atan2<L: Lane>(y: L, x: L) -> L {
-        y.map_two(x, f64::atan2)
+        y.atan2(x)
     }
     /// Real power.
     #[inline(always)]
@@ -254,12 +276,12 @@ pub mod functions {
     /// `then` if left < right, else `otherwise`.
     #[inline(always)]
     pub fn if_less<L: Lane>(left: L, right: L, then: L, otherwise: L) -> L {
-        L::choose(left.less(right), then, otherwise)
+        L::if_less(left, right, then, otherwise)
     }
     /// `then` if left ≤ right, else `otherwise`.
     #[inline(always)]
     pub fn if_less_equal<L: Lane>(left: L, right: L, then: L, otherwise: L) -> L {
-        L::choose(left.less_equal(right), then, otherwise)
+        L::if_less_equal(left, right, then, otherwise)
     }
     /// `then` if left = right, else `otherwise`.
     #[inline(always)]

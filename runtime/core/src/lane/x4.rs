@@ -146,6 +146,27 @@ impl Lane for X4 {
         unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, other.0)) as u8 }
     }
     #[inline(always)]
+    fn if_less(left: X4, right: X4, then: X4, otherwise: X4) -> X4 {
+        unsafe {
+            let mask = _mm256_cmp_pd::<_CMP_LT_OQ>(left.0, right.0);
+            X4(_mm256_blendv_pd(otherwise.0, then.0, mask))
+        }
+    }
+    #[inline(always)]
+    fn if_less_equal(left: X4, right: X4, then: X4, otherwise: X4) -> X4 {
+        unsafe {
+            let mask = _mm256_cmp_pd::<_CMP_LE_OQ>(left.0, right.0);
+            X4(_mm256_blendv_pd(otherwise.0, then.0, mask))
+        }
+    }
+    #[inline(always)]
+    fn with_sign_of(self, other: X4) -> X4 {
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            X4(_mm256_or_pd(_mm256_andnot_pd(sign, self.0), _mm256_and_pd(sign, other.0)))
+        }
+    }
+    #[inline(always)]
     fn choose(bits: u8, then: X4, otherwise: X4) -> X4 {
         let mask = &MASKS[usize::from(bits & 15)];
         unsafe {
