@@ -25,11 +25,12 @@ def coordinates_to_joints(model, names):
     """The matrix that takes handc's coordinates to MuJoCo's positions.
 
     It is a permutation but for screws, whose slide `NAME.advance` is a multiple of the hinge `NAME`:
-    the equality that couples them holds the pitch.
+    the equality that couples them holds the pitch. Fibres and activations of muscles move no joint.
     """
     matrix = np.zeros((model.nv, len(names)))
     for column, name in enumerate(names):
-        matrix[model.joint(name).dofadr[0], column] = 1.0
+        if not name.endswith((".fibre", ".activation")):
+            matrix[model.joint(name).dofadr[0], column] = 1.0
     for joint in range(model.njnt):
         name = model.joint(joint).name
         if name.endswith(".advance"):
