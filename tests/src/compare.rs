@@ -83,7 +83,7 @@ pub fn differences(model: &str, expected: &[Answer], found: &[Answer]) -> Vec<St
     }
     for (e, f) in expected.iter().zip(found) {
         // What a failed step says holds numbers that rounding changes.
-        let head = |what: &str| what.split(": the step").next().unwrap_or_default().to_string();
+        let head = |what: &str| what.split(": the ").next().unwrap_or_default().to_string();
         if head(&e.what) != head(&f.what) || e.values.len() != f.values.len() {
             wrong.push(format!("{model}: `{}` against `{}`", e.what, f.what));
             continue;
