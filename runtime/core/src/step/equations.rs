@@ -1,6 +1,6 @@
 //! The step's equations at an increment: residuals, their tolerances, and corrections.
 
-use super::{Attempt, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
+use super::{Attempt, BALANCE, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
 use crate::internal;
 use crate::model::{Midpoint, Model};
 
@@ -104,6 +104,11 @@ impl Stepper {
                 |c, sum| sensitivity[c] = sum,
                 |row, sum| per_gap[row] = per(GAP_FLOOR * sum),
             );
+        }
+        // Where its strands go slack nothing is left of a balance's stiffness but what it has been.
+        for (&c, stiffest) in self.static_list.iter().zip(&mut self.stiffest) {
+            *stiffest = stiffest.max(self.sensitivity[c]);
+            self.sensitivity[c] = BALANCE * *stiffest;
         }
     }
 
