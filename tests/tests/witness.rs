@@ -16,6 +16,7 @@ use handc_core::simulation::{Settings, Simulation};
 use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanism::{Mechanism, Point, Strand};
 use handc_runtime::resolved::Resolved;
+use handc_runtime::structure::Structure;
 use handc_runtime::surface::Surface;
 use handc_runtime::vector::{Transform, Vec3};
 use handc_tests::chance::Chance;
@@ -91,6 +92,8 @@ struct Case {
     mjcf: String,
     coordinates: Vec<String>,
     kinematic: Vec<bool>,
+    /// Numbers of the coordinates that move matter whose inertia is left out.
+    without_inertia: Vec<usize>,
     strands: Vec<String>,
     poses: Vec<Pose>,
 }
@@ -204,6 +207,7 @@ fn case(folder: &Path, path: &Path, label: &str) -> Option<Case> {
         poses: poses.collect(),
         coordinates: layout.coordinates.iter().map(|c| c.name.clone()).collect(),
         kinematic: layout.coordinates.iter().map(|c| c.kinematic).collect(),
+        without_inertia: Structure::new(&mechanism).without_inertia(&mechanism),
         strands: layout.strands.iter().map(|s| s.name.clone()).collect(),
     })
 }
