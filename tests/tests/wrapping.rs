@@ -397,6 +397,7 @@ fn a_sphere_has_a_side_in_its_plane_alone() {
     assert!((arm[0] + 0.02).abs() < 1e-16, "{arm:?}");
     let set = vec![("off".to_string(), 1e-3)];
     let settings = Settings { step: Some(1e-3), duration: Some(1.0), set, ..Settings::default() };
-    let said = Simulation::new(model, &settings).err().expect("beside its plane").to_string();
+    let Err(said) = Simulation::new(model, &settings) else { panic!("it starts beside its plane") };
+    let said = said.to_string();
     assert!(said.contains("strand `kept` cannot pass the sphere"), "{said}");
 }
