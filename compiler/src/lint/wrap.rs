@@ -136,7 +136,10 @@ impl Finding<'_> {
             let message = format!(
                 "a path point of strand `{strand}` is inside the surface it wraps, {place}"
             );
-            let depth = format!("{:.4} mm inside", -1e3 * clearance);
+            let depth = match -1e3 * clearance {
+                depth if depth < 1e-4 => "on it".to_string(),
+                depth => format!("{depth:.4} mm inside"),
+            };
             let error = Diagnostic::error("inside-surface", span, message);
             return Some(error.also(point.span, depth).help(
                 "a strand goes round from outside: make the radius smaller or move the point",
