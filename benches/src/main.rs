@@ -10,6 +10,7 @@ mod own;
 mod rival;
 mod speed;
 mod table;
+mod tendons;
 
 use own::{Crate, Own};
 use rival::Rival;
@@ -19,7 +20,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 const USAGE: &str = "\
-usage: table [--rounds N] [--only speed|growth|accuracy]
+usage: table [--rounds N] [--only speed|tendons|growth|accuracy]
   --rounds N   rounds of measuring (default 5)
   --only PART  one part of the report";
 
@@ -98,6 +99,10 @@ fn report(options: &Options) -> Result<(), String> {
     if options.wants("speed") {
         println!("\n## Speed\n\n{} rounds.\n", options.rounds);
         print!("{}", table::markdown(&speed::rows(&own, &mut rival, &crates, options.rounds)?));
+    }
+    if options.wants("tendons") {
+        println!("\n## Elements of tendons");
+        print!("{}", tendons::report(&own, options.rounds)?);
     }
     if options.wants("growth") {
         println!("\n## Growth");

@@ -51,7 +51,7 @@ fn tree(model: &hir::Model, mechanism: &Mechanism, numbers: &Resolved<f64>, text
                 .iter()
                 .map(|id| {
                     let c = &mechanism.coordinates[id.index()];
-                    let unit = if c.is_length { "m" } else { "rad" };
+                    let unit = c.unit();
                     let role = if c.drive.is_some() { ", driven" } else { "" };
                     format!("{} from {:.4} {unit}{role}", c.name, numbers.number(c.start))
                 })
@@ -74,9 +74,13 @@ fn tree(model: &hir::Model, mechanism: &Mechanism, numbers: &Resolved<f64>, text
         mechanism.links.iter().filter(|l| !matches!(l.motion, Motion::Prismatic { .. }));
     let _ = writeln!(
         text,
-        "  {} coordinates, {} of them rotations",
+        "  {} coordinates, {} of them rotations{}",
         mechanism.coordinates.len(),
-        rotations.count()
+        rotations.count(),
+        match mechanism.coordinates.len() - mechanism.links.len() {
+            0 => String::new(),
+            internal => format!(", {internal} of muscles"),
+        }
     );
 }
 
@@ -164,6 +168,7 @@ fn law(strand: &Strand, stiffness: Option<f64>) -> String {
         (Law::Linear { .. } | Law::Energy(_), _) => "energy".to_string(),
         (Law::Tension(_), _) => "tension".to_string(),
         (Law::Prescribed, _) => "length".to_string(),
+        (Law::Muscle(_), _) => "muscle".to_string(),
     }
 }
 

@@ -51,9 +51,23 @@ pub enum StrandQuantity {
     Tension,
     /// 1 where it pulls, 0 where it is slack, between them within the width of slack.
     Taut,
-    /// Power that its damping takes (W).
+    /// Power that its damping takes (W), that of a muscle's fibres included.
     Dissipation,
+    /// Length of a muscle's fibres (m).
+    FibreLength,
+    /// Force of a muscle's fibres along themselves (N).
+    FibreForce,
+    /// Power that a muscle's active fibres give (W).
+    FibrePower,
 }
+
+impl StrandQuantity {
+    /// How many there are.
+    pub const COUNT: usize = 7;
+}
+
+/// What a strand does at an instant, by [`StrandQuantity`].
+pub type StrandState<S> = [S; StrandQuantity::COUNT];
 
 /// One operation; operands are positions of earlier operations in the same program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

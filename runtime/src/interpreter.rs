@@ -4,16 +4,16 @@
 //! agree with.
 
 use crate::dual::Dual;
-use crate::expression::{Program, StrandQuantity, Variable};
+use crate::expression::{Program, StrandQuantity, StrandState, Variable};
 use crate::mechanics::{At, Mechanics, Workspace};
-use crate::mechanism::{Law, Mechanism, Number, Point};
+use crate::mechanism::{Law, Mechanism, Number, Point, Role};
 use crate::resolved::Resolved;
 use crate::structure::Structure;
 use crate::vector::Transform;
 use handc_core::lanes::next_revision;
 use handc_core::layout::{
-    ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Quantity, ScenarioLayout, Strand,
-    Wrap,
+    ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Muscle, Quantity, ScenarioLayout,
+    Strand, Wrap,
 };
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;
@@ -114,15 +114,15 @@ impl Interpreter {
         (mechanics, &mut self.workspace)
     }
 
-    /// What every strand does at a state: four numbers in the order of [`StrandQuantity`]. The tension
-    /// of a strand whose length is prescribed is its multiplier over the step and zero here.
-    pub fn strand_states(&mut self, at: &Midpoint, states: &mut [[f64; 4]]) {
+    /// What every strand does at a state. The tension of a strand whose length is prescribed is its
+    /// multiplier over the step and zero here.
+    pub fn strand_states(&mut self, at: &Midpoint, states: &mut [StrandState<f64>]) {
         let (mechanics, workspace) = self.mechanics();
         mechanics.strand_states(workspace, &point(at), states);
     }
 
     /// As [`Interpreter::strand_states`], at an instant of a run.
-    pub fn strand_states_at(&mut self, at: &Instant, states: &mut [[f64; 4]]) {
+    pub fn strand_states_at(&mut self, at: &Instant, states: &mut [StrandState<f64>]) {
         let Instant { q, v, t, rest, inputs, .. } = *at;
         self.strand_states(&Midpoint { q, v, t, rest, inputs }, states);
         for &(row, strand) in &self.structure.prescribed {
@@ -177,6 +177,9 @@ impl Model for Interpreter {
     ) {
         let (mechanics, workspace) = self.mechanics();
         mechanics.evaluate(workspace, &point(at), momentum, force, Some((h, matrix)));
+    }
+    fn muscle_numbers(&mut self, numbers: &mut [f64]) {
+        self.mechanics().0.muscle_numbers(numbers);
     }
     fn constraints(&mut self, q: &[f64], t: f64, rest: &[f64], values: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();
@@ -275,7 +278,7 @@ impl Model for Interpreter {
             self.strand_lengths(at.q, &mut lengths);
         }
         let reads_states = |variable: &Variable| matches!(variable, Variable::Strand(..));
-        let mut states = vec![[0.0; 4]; mechanism.strands.len()];
+        let mut states = vec![[0.0; StrandQuantity::COUNT]; mechanism.strands.len()];
         if records.iter().any(|(_, program)| program.variables().iter().any(reads_states)) {
             self.strand_states_at(at, &mut states);
         }
@@ -312,12 +315,17 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
         coordinates: mechanism
             .coordinates
             .iter()
-            .zip(&structure.is_static)
-            .map(|(c, &is_static)| Coordinate {
+            .enumerate()
+            .map(|(i, c)| Coordinate {
                 name: c.name.clone(),
-                kind: if c.is_length { CoordinateKind::Length } else { CoordinateKind::Angle },
+                kind: match (c.role, c.is_length) {
+                    (Role::Activation, _) => CoordinateKind::Ratio,
+                    (_, true) => CoordinateKind::Length,
+                    (_, false) => CoordinateKind::Angle,
+                },
                 kinematic: c.drive.is_some(),
-                is_static,
+                is_static: structure.is_static[i],
+                is_internal: structure.is_internal[i],
             })
             .collect(),
         strands: mechanism
@@ -328,6 +336,12 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
                 has_rest: s.rest.is_some(),
                 is_prescribed: s.law == Law::Prescribed,
                 actuator: s.actuator.map(|input| input as usize),
+                muscle: s.muscle().map(|muscle| Muscle {
+                    fibre: muscle.fibre as usize,
+                    activation: muscle.activation as usize,
+                    excitation: muscle.excitation as usize,
+                    has_start: muscle.start.is_some(),
+                }),
             })
             .collect(),
         wraps: mechanism

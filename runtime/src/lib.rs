@@ -10,6 +10,7 @@ pub mod expression;
 pub mod interpreter;
 pub mod mechanics;
 pub mod mechanism;
+pub mod muscle;
 pub mod resolved;
 pub mod run;
 pub mod structure;

@@ -102,6 +102,20 @@ pub enum Motion {
     },
 }
 
+/// What a coordinate is of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Role {
+    /// A joint.
+    #[default]
+    Joint,
+    /// A translation of a node.
+    Node,
+    /// The length of a muscle's fibres along its tendon; it moves no link.
+    Fibre,
+    /// The activation of a muscle; it moves no link.
+    Activation,
+}
+
 /// A coordinate and what acts on it alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coordinate {
@@ -111,7 +125,7 @@ pub struct Coordinate {
     pub source: String,
     /// Doc comment of its joint.
     pub doc: String,
-    /// Whether it is a length (m) rather than an angle (rad).
+    /// Whether it is a length (m) rather than an angle (rad) or a plain number.
     pub is_length: bool,
     /// Start (rad or m).
     pub start: Number,
@@ -131,8 +145,19 @@ pub struct Coordinate {
     pub limit_width: Number,
     /// Path as a function of time and parameters: the coordinate is kinematic.
     pub drive: Option<Program>,
-    /// Whether it is a translation of a node.
-    pub is_node: bool,
+    /// What it is of.
+    pub role: Role,
+}
+
+impl Coordinate {
+    /// Its unit; empty for a plain number.
+    pub fn unit(&self) -> &'static str {
+        match (self.role, self.is_length) {
+            (Role::Activation, _) => "",
+            (_, true) => "m",
+            (_, false) => "rad",
+        }
+    }
 }
 
 /// A moving body with one coordinate.
@@ -215,6 +240,9 @@ pub struct Wrap {
     /// Unit vector from the centre to the side on which the strand passes, in link axes; `None`: the
     /// shorter way.
     pub side: Option<NumberVector>,
+    /// Unit normal, in link axes, of the plane through the centre of a sphere in which its strand
+    /// stays, so that it has a side; `None` for other spheres and for cylinders.
+    pub plane: Option<NumberVector>,
 }
 
 /// How a strand's tension follows from its length x and natural length x₀.
@@ -232,6 +260,62 @@ pub enum Law {
     Tension(Function),
     /// None: a constraint prescribes the length, and its multiplier is the tension.
     Prescribed,
+    /// That of a muscle's tendon.
+    Muscle(Box<Muscle>),
+}
+
+/// The numbers of a muscle; see [`crate::muscle`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Muscle {
+    /// Coordinate of the length of its fibres along the tendon.
+    pub fibre: u32,
+    /// Coordinate of its activation.
+    pub activation: u32,
+    /// Input of its excitation.
+    pub excitation: u32,
+    /// Activation at the start; `None`: the excitation there.
+    pub start: Option<Number>,
+    /// Largest isometric force (N).
+    pub max_force: Number,
+    /// Fibre length at which it is reached (m).
+    pub optimal_fibre: Number,
+    /// Slack length of the tendon (m).
+    pub tendon_slack: Number,
+    /// Angle of the fibres to the tendon at their optimal length (rad).
+    pub pennation: Number,
+    /// Largest velocity of shortening, in optimal fibre lengths (1/s).
+    pub max_velocity: Number,
+    /// Strain of the tendon at the largest isometric force.
+    pub tendon_strain: Number,
+    /// Strain at which passive fibres pull as much.
+    pub passive_strain: Number,
+    /// Largest force of lengthening fibres, in parts of the isometric one.
+    pub eccentric_force: Number,
+    /// Damping of the fibres, in parts of the largest force at the largest velocity.
+    pub fibre_damping: Number,
+    /// Time constant of activation (s).
+    pub activation_time: Number,
+    /// Time constant of deactivation (s).
+    pub deactivation_time: Number,
+}
+
+impl Muscle {
+    /// All its numbers, in a fixed order.
+    pub fn numbers_mut(&mut self) -> [&mut Number; 11] {
+        [
+            &mut self.max_force,
+            &mut self.optimal_fibre,
+            &mut self.tendon_slack,
+            &mut self.pennation,
+            &mut self.max_velocity,
+            &mut self.tendon_strain,
+            &mut self.passive_strain,
+            &mut self.eccentric_force,
+            &mut self.fibre_damping,
+            &mut self.activation_time,
+            &mut self.deactivation_time,
+        ]
+    }
 }
 
 /// Friction of a strand that slides over its points (Euler and Eytelwein): across a point where it
@@ -301,7 +385,21 @@ impl fmt::Display for Wrap {
     }
 }
 
+impl Wrap {
+    /// Whether it is a cylinder.
+    pub fn is_cylinder(&self) -> bool {
+        matches!(self.form, SurfaceForm::Cylinder { .. })
+    }
+}
+
 impl Strand {
+    /// The muscle that it is, if it is one.
+    pub fn muscle(&self) -> Option<&Muscle> {
+        match &self.law {
+            Law::Muscle(muscle) => Some(muscle),
+            _ => None,
+        }
+    }
     /// The surface between point `gap` and the next, if there is one.
     pub fn wrap(&self, gap: usize) -> Option<&Wrap> {
         self.wraps.iter().find(|wrap| wrap.gap as usize == gap)
@@ -438,7 +536,7 @@ pub struct Mechanism {
     pub gravity: NumberVector,
     /// Coordinates in declaration order.
     pub coordinates: Vec<Coordinate>,
-    /// Links, parents first; as many as coordinates.
+    /// Links, parents first; one for every coordinate but those of muscles.
     pub links: Vec<Link>,
     /// Bodies.
     pub bodies: Vec<Body>,

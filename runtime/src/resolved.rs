@@ -7,6 +7,7 @@ use crate::expression::Variable;
 use crate::mechanism::{
     ConstraintKind, Law, Mechanism, Motion, Number, NumberTransform, NumberVector, Point,
 };
+use crate::muscle::ResolvedMuscle;
 use crate::run::{ResolvedRun, find_runs};
 use crate::structure::{PathStep, segment_path};
 use crate::surface::Surface;
@@ -154,6 +155,8 @@ pub struct ResolvedStrand<S> {
     pub slack: Option<S>,
     /// Friction coefficient and the speed that smooths it, if any.
     pub friction: Option<(S, S)>,
+    /// The muscle that it is, if it is one.
+    pub muscle: Option<ResolvedMuscle<S>>,
     /// Sum of the segments within one link.
     pub constant_length: S,
     /// The moving segments.
@@ -487,6 +490,7 @@ impl<S: Scalar> Resolved<S> {
             damping: (!strand.damping.is_zero()).then(|| self.number(strand.damping)),
             slack: strand.slack.map(|width| self.number(width)),
             friction: strand.friction.map(|f| (self.number(f.coefficient), self.number(f.speed))),
+            muscle: strand.muscle().map(|muscle| ResolvedMuscle::new(self, muscle)),
             constant_length,
             segments,
         }

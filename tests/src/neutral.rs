@@ -3,7 +3,7 @@
 use handc_runtime::expression::Program;
 use handc_runtime::mechanism::{
     Body, Constraint, ConstraintKind, Coordinate, Frame, Law, Link, Mechanism, Motion, Number,
-    NumberTransform, Point, Strand,
+    NumberTransform, Point, Role, Strand,
 };
 use serde_json::Value;
 use std::collections::HashMap;
@@ -50,7 +50,7 @@ pub fn mechanism(json: &Value) -> Mechanism {
                     limit_stiffness: Number::ZERO,
                     limit_width: Number::ZERO,
                     drive: None,
-                    is_node: false,
+                    role: Role::Joint,
                 });
                 let axis = vector(unit);
                 mechanism.links.push(Link {

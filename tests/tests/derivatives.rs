@@ -113,7 +113,7 @@ fn newton_matrix() {
             let (mut found, mut expected) = (Vec::new(), Vec::new());
             for &j in &free {
                 let (mut q, mut v) = (fixed(&place.q), fixed(&place.v));
-                (q[j].slope, v[j].slope) = (0.5, 1.0 / h);
+                (q[j].slope, v[j].slope) = (0.5, structure.rate_weight(j) / h);
                 let (momentum, force) = evaluate_dual(oracle, &q, &v, place);
                 for &i in &free {
                     found.push(structure.slot(i, j).map_or(0.0, |slot| matrix[slot]));

@@ -2,6 +2,7 @@
 
 use handc::mjcf::export;
 use handc_core::simulation::Settings;
+use handc_runtime::mechanism::{Coordinate, Role};
 use handc_tests::expected::expected;
 use handc_tests::load::{mechanism, mechanism_of_text, models, repository};
 use std::path::Path;
@@ -61,7 +62,9 @@ fn all_models_export_in_one_way() {
                 export(&mechanism, &Settings::default()).unwrap_or_else(|e| panic!("{name}: {e}"))
             });
             assert_eq!(first, second, "{name}");
-            for coordinate in &mechanism.coordinates {
+            // Fibres and activations of muscles move no joint.
+            let moves = |c: &&Coordinate| !matches!(c.role, Role::Fibre | Role::Activation);
+            for coordinate in mechanism.coordinates.iter().filter(moves) {
                 let joint = format!("<joint name=\"{}\"", coordinate.name);
                 assert!(first.text.contains(&joint), "{name} lost `{}`", coordinate.name);
             }

@@ -3,7 +3,9 @@
 use super::Context;
 use handc_core::model::Model;
 use handc_dsl::diagnostic::Diagnostic;
+use handc_dsl::hir;
 use handc_runtime::expression::Variable;
+use handc_runtime::mechanism::Role;
 use handc_runtime::resolved::Resolved;
 use handc_runtime::structure::Structure;
 
@@ -17,7 +19,7 @@ pub(super) fn limits(context: &Context, found: &mut Vec<Diagnostic>) {
         let Some([low, high]) = range(c) else { return };
         let slack = 1e-12 * (high - low).abs();
         if value < low - slack || value > high + slack {
-            let unit = if context.mechanism.coordinates[c].is_length { "m" } else { "rad" };
+            let unit = context.mechanism.coordinates[c].unit();
             found.push(
                 Diagnostic::warning(
                     "start-outside-limits",
@@ -77,7 +79,7 @@ pub(super) fn held(context: &Context, found: &mut Vec<Diagnostic>) -> bool {
     let structure = Structure::new(mechanism);
     let n = mechanism.coordinates.len();
     let mut by_mass = vec![false; n];
-    for link in 0..n {
+    for link in 0..structure.links() {
         by_mass[structure.coordinate_of[link]] = structure.has_mass_below[link];
     }
     let mut otherwise = vec![false; n];
@@ -98,7 +100,7 @@ pub(super) fn held(context: &Context, found: &mut Vec<Diagnostic>) -> bool {
     }
     for (c, coordinate) in mechanism.coordinates.iter().enumerate() {
         let spring = !coordinate.stiffness.is_zero() || !coordinate.damping.is_zero();
-        otherwise[c] |= spring || coordinate.drive.is_some();
+        otherwise[c] |= spring || coordinate.drive.is_some() || structure.is_internal[c];
     }
     for scenario in &mechanism.scenarios {
         // Driven in every scenario is held; in some, the others will say so when they run.
@@ -106,11 +108,12 @@ pub(super) fn held(context: &Context, found: &mut Vec<Diagnostic>) -> bool {
     }
     let mut all = true;
     // Nodes are looked at on their own.
-    let is_node = |c: usize| mechanism.coordinates[c].is_node;
+    let is_node = |c: usize| mechanism.coordinates[c].role == Role::Node;
     for c in (0..n).filter(|&c| !by_mass[c] && !otherwise[c] && !is_node(c)) {
         all = false;
         let name = context.name(c);
-        let joint = &context.model.joints[context.model.coordinates[c].joint.index()];
+        let hir::Owner::Joint(joint) = context.model.coordinates[c].owner else { continue };
+        let joint = &context.model.joints[joint.index()];
         found.push(
             Diagnostic::error(
                 "nothing-moves",

@@ -12,14 +12,14 @@ pub(super) fn nodes(context: &Context, found: &mut Vec<Diagnostic>) -> bool {
     for joint in context.model.joints.iter().filter(|joint| joint.kind == JointKind::Node) {
         let Some(last) = joint.coordinates.last() else { continue };
         let link = structure.link_of[last.index()];
-        let first = structure.link_of[joint.coordinates[0].index()];
+        let Some(first) = structure.link_of[joint.coordinates[0].index()] else { continue };
         if structure.has_mass_below[first as usize] {
             continue;
         }
         // A strand that ends in the node holds it once, one that runs through it twice.
         let mut holds = 0;
         for strand in &context.mechanism.strands {
-            let on_node = |point: &handc_runtime::mechanism::Point| point.link == Some(link);
+            let on_node = |point: &handc_runtime::mechanism::Point| point.link == link;
             holds += strand.points.windows(2).filter(|p| on_node(&p[0]) != on_node(&p[1])).count();
         }
         let held = context.mechanism.constraints.iter().any(|constraint| {

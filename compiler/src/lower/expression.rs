@@ -28,6 +28,9 @@ impl Lowering<'_> {
                     hir::StrandQuantity::Tension => StrandQuantity::Tension,
                     hir::StrandQuantity::Taut => StrandQuantity::Taut,
                     hir::StrandQuantity::Dissipation => StrandQuantity::Dissipation,
+                    hir::StrandQuantity::FibreLength => StrandQuantity::FibreLength,
+                    hir::StrandQuantity::FibreForce => StrandQuantity::FibreForce,
+                    hir::StrandQuantity::FibrePower => StrandQuantity::FibrePower,
                 };
                 Sym::leaf(Leaf::Strand(quantity, id.0))
             }

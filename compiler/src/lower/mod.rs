@@ -7,6 +7,7 @@
 
 mod expression;
 mod mass;
+mod muscle;
 mod scenario;
 
 use crate::graph::{self, Leaf, Sym};
@@ -16,8 +17,10 @@ use handc_dsl::source::{SourceMap, Span};
 use handc_runtime::expression::{Function, Own, Program};
 use handc_runtime::mechanism::{
     Constraint, ConstraintKind, Coordinate, Force, Frame, Friction, Input, Law, Link, Mechanism,
-    Motion, Number, NumberTransform, NumberVector, Param, Point, Strand, SurfaceForm, Torque, Wrap,
+    Motion, Number, NumberTransform, NumberVector, Param, Point, Role, Strand, SurfaceForm, Torque,
+    Wrap,
 };
+use handc_runtime::surface::planes;
 use handc_runtime::vector::{Mat3, Transform, Vec3};
 use std::collections::HashMap;
 
@@ -83,12 +86,19 @@ impl Lowering<'_> {
         mechanism.frames = (0..model.frames.len()).map(|i| self.frame(i)).collect();
         mechanism.bodies = model.masses.iter().map(|mass| self.body(mass)).collect();
         mechanism.strands = model.strands.iter().map(|strand| self.strand(strand)).collect();
+        muscle::begin(&mut mechanism);
         mechanism.constraints = model.constraints.iter().map(|c| self.constraint(c)).collect();
         mechanism.torques = model.torques.iter().map(|torque| self.torque(torque)).collect();
         mechanism.forces = model.forces.iter().map(|force| self.force(force)).collect();
         mechanism.scenarios = model.scenarios.iter().map(|s| self.scenario(s)).collect();
         mechanism.links = std::mem::take(&mut self.links);
         mechanism.values = graph::to_program(&self.values);
+        for ([strand, wrap], plane) in planes(&mechanism) {
+            // Out of a plane a strand slides to the shorter way: its hint means nothing.
+            let wrap = &mut mechanism.strands[strand].wraps[wrap];
+            wrap.side = wrap.side.filter(|_| plane.is_some());
+            wrap.plane = plane;
+        }
         mechanism
     }
 
@@ -212,6 +222,9 @@ impl Lowering<'_> {
             hir::MotionKind::Revolute => Motion::Revolute { axis },
             hir::MotionKind::Prismatic => Motion::Prismatic { axis },
             hir::MotionKind::Screw { pitch } => Motion::Screw { axis, pitch: self.number(pitch) },
+            hir::MotionKind::Fibre | hir::MotionKind::Activation => {
+                unreachable!("coordinates of muscles move no link")
+            }
         }
     }
 
@@ -228,8 +241,11 @@ impl Lowering<'_> {
         Coordinate {
             name: c.name.text.clone(),
             source: self.source(c.name.span),
-            doc: self.model.joints[c.joint.index()].name.doc.clone(),
-            is_length: c.motion == hir::MotionKind::Prismatic,
+            doc: match c.owner {
+                hir::Owner::Joint(joint) => self.model.joints[joint.index()].name.doc.clone(),
+                hir::Owner::Muscle(strand) => self.model.strands[strand.index()].name.doc.clone(),
+            },
+            is_length: matches!(c.motion, hir::MotionKind::Prismatic | hir::MotionKind::Fibre),
             start: self.number(&c.start),
             velocity: self.number(&c.velocity),
             damping: self.number_or_zero(&c.damping),
@@ -239,7 +255,14 @@ impl Lowering<'_> {
             limit_stiffness: self.number_or_zero(&c.limit_stiffness),
             limit_width: self.number_or_zero(&c.limit_width),
             drive: c.drive.as_ref().map(|drive| self.program(drive)),
-            is_node: self.model.joints[c.joint.index()].kind == hir::JointKind::Node,
+            role: match (c.owner, &c.motion) {
+                (_, hir::MotionKind::Fibre) => Role::Fibre,
+                (hir::Owner::Muscle(_), _) => Role::Activation,
+                (hir::Owner::Joint(joint), _) => {
+                    let is_node = self.model.joints[joint.index()].kind == hir::JointKind::Node;
+                    if is_node { Role::Node } else { Role::Joint }
+                }
+            },
         }
     }
 
@@ -282,6 +305,7 @@ impl Lowering<'_> {
                     Law::Tension(self.function(tension))
                 }
                 hir::Law::Prescribed(_) => Law::Prescribed,
+                hir::Law::Muscle(muscle) => Law::Muscle(Box::new(self.muscle(muscle))),
             },
             damping: self.number_or_zero(&strand.damping),
             slack: strand.slack.as_ref().map(|width| self.number(width)),
@@ -315,6 +339,7 @@ impl Lowering<'_> {
             center: self.point(&wrap.center),
             radius: self.number(&wrap.radius),
             side,
+            plane: None,
         }
     }
 

@@ -113,8 +113,13 @@ fn describe(
     let (mut elements, mut signature) = (Vec::new(), vec![coordinates.len() as i64]);
     for &c in coordinates {
         let coordinate = &mechanism.coordinates[c];
-        let link = structure.link_of[c] as usize;
-        elements.extend([Element::Coordinate(c), Element::Link(link)]);
+        elements.push(Element::Coordinate(c));
+        let Some(link) = structure.link_of[c] else {
+            signature.extend([-6, coordinate.role as i64]);
+            continue;
+        };
+        let link = link as usize;
+        elements.push(Element::Link(link));
         let motion = match mechanism.links[link].motion {
             Motion::Revolute { .. } => 0,
             Motion::Prismatic { .. } => 1,
@@ -138,6 +143,7 @@ fn describe(
                 Law::Energy(_) => 1,
                 Law::Tension(_) => 2,
                 Law::Prescribed => 3,
+                Law::Muscle(_) => 4,
             };
             let options = [strand.slack.is_some(), strand.friction.is_some()].map(i64::from);
             signature.extend([-3, law, options[0], options[1]]);
@@ -147,8 +153,9 @@ fn describe(
                     SurfaceForm::Sphere => 0,
                     SurfaceForm::Cylinder { .. } => 1,
                 };
-                let has_side = i64::from(wrap.side.is_some());
-                signature.extend([-5, i64::from(wrap.gap), form, has_side]);
+                let given = [wrap.side.is_some(), wrap.plane.is_some()].map(i64::from);
+                signature.extend([-5, i64::from(wrap.gap), form]);
+                signature.extend(given);
                 signature.push(local(wrap.center.link));
             }
         }
@@ -198,9 +205,12 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
                 list.extend(&mut wrap.center.position);
                 list.push(&mut wrap.radius);
                 list.extend(wrap.side.iter_mut().flatten());
+                list.extend(wrap.plane.iter_mut().flatten());
             }
-            if let Law::Linear { stiffness } = &mut strand.law {
-                list.push(stiffness);
+            match &mut strand.law {
+                Law::Linear { stiffness } => list.push(stiffness),
+                Law::Muscle(muscle) => list.extend(muscle.numbers_mut()),
+                Law::Energy(_) | Law::Tension(_) | Law::Prescribed => {}
             }
             list.push(&mut strand.damping);
             list.extend(&mut strand.slack);

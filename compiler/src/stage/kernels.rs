@@ -4,6 +4,7 @@ use super::symbols::Symbols;
 use super::{Module, Task};
 use crate::emit::{Output, Place};
 use crate::graph::{Leaf, Sym};
+use handc_core::muscle::NUMBERS;
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Law;
@@ -42,6 +43,7 @@ pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
     let mut tasks = strands(symbols);
     tasks.push(commands(symbols));
     tasks.extend(clearances(symbols));
+    tasks.extend(muscle_numbers(symbols));
     tasks.extend(constraints(symbols));
     tasks.push(potential(symbols));
     tasks.push(frames(symbols));
@@ -102,7 +104,7 @@ pub(super) fn blocks(symbols: &Symbols) -> Vec<Task> {
             .map(|strand| (strand, lengths[strand]));
         tasks.push(task(
             "lengths",
-            "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).",
+            &format!("Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands{} (m).", wound(symbols)),
             outputs("lengths", own, true, |strand| symbols.mechanism.strands[strand].name.clone()),
         ));
     }
@@ -158,6 +160,12 @@ fn about_block(symbols: &Symbols, coordinates: &[usize]) -> Vec<String> {
     .collect()
 }
 
+/// What is to be added to the formula of lengths.
+fn wound(symbols: &Symbols) -> &'static str {
+    let winds = symbols.mechanism.strands.iter().any(|strand| !strand.wraps.is_empty());
+    if winds { ", round surfaces where they wind" } else { "" }
+}
+
 fn strands(symbols: &Symbols) -> Vec<Task> {
     let mechanism = symbols.mechanism;
     let (strands, count) = (mechanism.strands.len(), mechanism.coordinates.len());
@@ -183,7 +191,10 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
     vec![
         task(
             "lengths",
-            "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of strands that span no block (m).",
+            &format!(
+                "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of strands that span no block{} (m).",
+                wound(symbols)
+            ),
             outputs("lengths", outside, true, name),
         ),
         task(
@@ -234,6 +245,29 @@ fn clearances(symbols: &Symbols) -> Option<Task> {
         doc: std::iter::once(opening.to_owned()).chain(about).collect(),
         outputs: outputs("clearances", found.into_iter().enumerate(), true, |slot| {
             names[slot / CLEARANCES].clone()
+        }),
+    })
+}
+
+/// Numbers of muscles that a change of parameters may put out of range, if there are any.
+fn muscle_numbers(symbols: &Symbols) -> Option<Task> {
+    let strands = symbols.mechanism.strands.iter();
+    let muscles: Vec<_> = strands.filter(|strand| strand.muscle().is_some()).collect();
+    let mut found = vec![Sym::zero(); NUMBERS.len() * muscles.len()];
+    symbols.mechanics().muscle_numbers(&mut found);
+    // What is constant has been looked at in the text.
+    if found.iter().all(|number| number.as_constant().is_some()) {
+        return None;
+    }
+    let list = muscles.iter().map(|strand| cited(&strand.name, &strand.source)).collect();
+    let opening = format!("Numbers of every muscle that must be positive: {}.", NUMBERS.join(", "));
+    let about = sentence("Muscles", list).into_iter().flat_map(|line| [String::new(), line]);
+    Some(Task {
+        module: Module::Strands,
+        name: "muscle_numbers",
+        doc: std::iter::once(opening).chain(about).collect(),
+        outputs: outputs("numbers", found.into_iter().enumerate(), true, |slot| {
+            muscles[slot / NUMBERS.len()].name.clone()
         }),
     })
 }

@@ -76,7 +76,8 @@ impl<'a> Symbols<'a> {
         }
         let reads_states =
             program.variables().iter().any(|variable| matches!(variable, Variable::Strand(..)));
-        let mut states = vec![[Sym::leaf(Leaf::Time); 4]; self.mechanism.strands.len()];
+        let none = [Sym::leaf(Leaf::Time); StrandQuantity::COUNT];
+        let mut states = vec![none; self.mechanism.strands.len()];
         if reads_states {
             let mechanics = self.mechanics();
             mechanics.strand_states(&mut self.workspace(), &self.at(), &mut states);

@@ -45,7 +45,7 @@ fn coordinate(name: &str, start: f64) -> Coordinate {
         limit_stiffness: Number::ZERO,
         limit_width: Number::ZERO,
         drive: None,
-        is_node: false,
+        role: Role::Joint,
     }
 }
 

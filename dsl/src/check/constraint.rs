@@ -79,6 +79,8 @@ impl<'a> Checker<'a> {
                 let (mut left, mut right) = (a?, b?);
                 self.depends(&left, May::HOLONOMIC, "a constraint")?;
                 self.depends(&right, May::HOLONOMIC, "a constraint")?;
+                let what = "a constraint cannot hold it";
+                self.without_muscles(&left, what).and(self.without_muscles(&right, what))?;
                 self.agree(&mut left, &mut right, "equate")?;
                 if constant(&left).is_some() && constant(&right).is_some() {
                     let message = "this equation holds no coordinate";

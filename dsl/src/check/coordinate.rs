@@ -21,8 +21,8 @@ const STIFFNESS: Pair = (Dimension::ANGULAR_STIFFNESS, Dimension::STIFFNESS);
 /// The dimension of a pair that a motion has.
 pub(super) fn of(pair: Pair, motion: &MotionKind) -> Dimension {
     match motion {
-        MotionKind::Prismatic => pair.1,
-        MotionKind::Revolute | MotionKind::Screw { .. } => pair.0,
+        MotionKind::Prismatic | MotionKind::Fibre => pair.1,
+        MotionKind::Revolute | MotionKind::Screw { .. } | MotionKind::Activation => pair.0,
     }
 }
 

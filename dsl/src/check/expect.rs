@@ -45,11 +45,21 @@ impl<'a> Checker<'a> {
         let found = value.dimension;
         // A stiffness against rotation has the dimension of a torque; call it what it is.
         let turns = want == Dimension::TORQUE && what.contains("stiffness");
-        let expected = if turns { "a rotational stiffness".into() } else { want.describe() };
+        // Optimal lengths per second have that of an angular velocity.
+        let per_second = want == Dimension::ANGULAR_VELOCITY && what.contains("max_velocity");
+        let expected = match (turns, per_second) {
+            (true, _) => "a rotational stiffness".into(),
+            (_, true) => "optimal lengths per second".into(),
+            _ => want.describe(),
+        };
         let found_words =
             if found.is_none() { "a plain number".to_string() } else { found.describe() };
         let message = format!("{what}: expected {expected}, found {found_words}");
-        let expected = if turns { "`N*m/rad`".into() } else { unit_words(want) };
+        let expected = match (turns, per_second) {
+            (true, _) => "`N*m/rad`".into(),
+            (_, true) => "`Hz`".into(),
+            _ => unit_words(want),
+        };
         let label = match found.is_none() {
             true => format!("expected {expected}"),
             false => format!("expected {expected}, found {}", unit_words(found)),
@@ -60,7 +70,11 @@ impl<'a> Checker<'a> {
             let wrapped = text.is_some_and(|e| matches!(e.kind, Ast::Paren(_) | Ast::Tuple(_)));
             let simple = wrapped || quoted.parse::<f64>().is_ok();
             let quoted = if simple { quoted.to_string() } else { format!("({quoted})") };
-            let units = if turns { vec!["N*m/rad".to_string()] } else { want.usual_units() };
+            let units = match (turns, per_second) {
+                (true, _) => vec!["N*m/rad".to_string()],
+                (_, true) => vec!["Hz".to_string()],
+                _ => want.usual_units(),
+            };
             let written: Vec<String> = units.iter().map(|u| format!("`{quoted} {u}`")).collect();
             if quoted.len() < 60 {
                 error = error.help(format!("write {}", written.join(" or ")));

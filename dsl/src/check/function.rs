@@ -48,7 +48,8 @@ const FUNCTIONS: [(&str, Function, usize, Rule); 17] = [
 ];
 
 /// Functions of a strand that only a recorded column may hold.
-const RECORDED: [&str; 3] = ["tension", "taut", "dissipation"];
+const RECORDED: [&str; 6] =
+    ["tension", "taut", "dissipation", "fibre_length", "fibre_force", "fibre_power"];
 
 impl<'a> Checker<'a> {
     pub(super) fn call(
@@ -62,8 +63,8 @@ impl<'a> Checker<'a> {
             "if" => return self.choice(scope, arguments, span),
             "length" => return self.length(scope, arguments, span),
             "rate" => return self.rate(scope, arguments, span),
-            "tension" | "taut" | "dissipation" => {
-                return self.strand_quantity(scope, &name.text, arguments, span);
+            text if RECORDED.contains(&text) => {
+                return self.strand_quantity(scope, text, arguments, span);
             }
             _ => {}
         }
@@ -253,7 +254,7 @@ impl<'a> Checker<'a> {
         Some(Expr { kind, dimension, span })
     }
 
-    /// `tension(S)`, `taut(S)`, `dissipation(S)`.
+    /// `tension(S)`, `taut(S)`, `dissipation(S)`, and what is of a muscle alone.
     fn strand_quantity(
         &mut self,
         scope: ScopeId,
@@ -270,10 +271,20 @@ impl<'a> Checker<'a> {
             self.report(Diagnostic::error("not-a-strand", argument.span, message));
             return None;
         };
-        let strand = StrandId(self.strand(scope, path)? as u32);
+        let index = self.strand(scope, path)?;
+        if name.starts_with("fibre") && !self.muscles.iter().any(|m| m.strand == index) {
+            let message =
+                format!("`{name}` takes a muscle: `{}` is none", self.sources.slice(path.span));
+            self.report(Diagnostic::error("not-a-muscle", argument.span, message));
+            return None;
+        }
+        let strand = StrandId(index as u32);
         let (quantity, dimension) = match name {
             "tension" => (StrandQuantity::Tension, Dimension::FORCE),
             "taut" => (StrandQuantity::Taut, Dimension::NONE),
+            "fibre_length" => (StrandQuantity::FibreLength, Dimension::LENGTH),
+            "fibre_force" => (StrandQuantity::FibreForce, Dimension::FORCE),
+            "fibre_power" => (StrandQuantity::FibrePower, Dimension::POWER),
             _ => (StrandQuantity::Dissipation, Dimension::POWER),
         };
         Some(Expr { kind: ExprKind::Strand(quantity, strand), dimension, span })

@@ -7,7 +7,9 @@ use super::{Checker, constant, number};
 use crate::ast::{Argument, DeclKind, Ident};
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
-use crate::hir::{self, Coordinate, CoordinateId, JointId, JointKind, MotionKind, Name, Vector};
+use crate::hir::{
+    self, Coordinate, CoordinateId, JointId, JointKind, MotionKind, Name, Owner, Vector,
+};
 use crate::source::Span;
 
 const OPTIONS: [&str; 9] = [
@@ -23,7 +25,8 @@ const OPTIONS: [&str; 9] = [
 ];
 
 impl<'a> Checker<'a> {
-    pub(super) fn finish_joints(&mut self) -> (Vec<hir::Joint>, Vec<Coordinate>) {
+    /// Joints, and their coordinates with their place among all.
+    pub(super) fn finish_joints(&mut self) -> (Vec<hir::Joint>, Vec<(usize, Coordinate)>) {
         let mut joints = Vec::new();
         let mut coordinates = Vec::new();
         for index in 0..self.joints.len() {
@@ -34,10 +37,10 @@ impl<'a> Checker<'a> {
                 DeclKind::Joint(word, arguments, _, block) => (word, arguments, block),
                 DeclKind::Node(_, block) => {
                     let own = self.node(scope, index, &name, block, range.clone());
+                    coordinates.extend(range.clone().zip(own));
                     let ids = range.map(|c| CoordinateId(c as u32)).collect();
                     let (frame, kind) = (self.frame_ids[frame], JointKind::Node);
                     joints.push(hir::Joint { name, frame, kind, coordinates: ids });
-                    coordinates.extend(own);
                     continue;
                 }
                 _ => continue,
@@ -53,10 +56,10 @@ impl<'a> Checker<'a> {
             let motions = self.motions(scope, kind, word, arguments);
             let mut own = self.bare_coordinates(index, &name, motions, range.start);
             self.coordinate_options(scope, &options, &mut own, &name.text);
+            coordinates.extend(range.clone().zip(own));
             let ids = range.map(|c| CoordinateId(c as u32)).collect();
             let frame = self.frame_ids[frame];
             joints.push(hir::Joint { name, frame, kind, coordinates: ids });
-            coordinates.extend(own);
         }
         (joints, coordinates)
     }
@@ -170,7 +173,7 @@ impl<'a> Checker<'a> {
             .enumerate()
             .map(|(part, (motion, axis))| Coordinate {
                 name: Name { text: self.coordinate_names[first + part].clone(), ..name.clone() },
-                joint: JointId(joint as u32),
+                owner: Owner::Joint(JointId(joint as u32)),
                 start: number(0.0, of(COORDINATE, &motion), name.span),
                 velocity: number(0.0, of(RATE, &motion), name.span),
                 motion,

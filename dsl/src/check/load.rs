@@ -12,6 +12,10 @@ impl Checker<'_> {
         for item in std::mem::take(&mut self.torques) {
             let DeclKind::Torque(joint, value) = &item.decl.kind else { continue };
             let coordinate = self.coordinate(item.scope, joint);
+            let coordinate = coordinate.filter(|&c| {
+                let what = "no torque or force can act on it";
+                self.of_joint(c, joint.span, what).is_some()
+            });
             let Some(coordinate) = coordinate else {
                 self.value(item.scope, value);
                 continue;

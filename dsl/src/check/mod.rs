@@ -19,6 +19,7 @@ mod joint;
 mod load;
 mod mass;
 mod motion;
+mod muscle;
 mod name;
 mod node;
 mod options;
@@ -131,6 +132,8 @@ struct Checker<'a> {
     prescribed: Vec<(usize, usize)>,
     /// Strands with an input of their own, and the input.
     actuators: Vec<(usize, usize)>,
+    /// Strands that are muscles.
+    muscles: Vec<muscle::RawMuscle>,
     /// Positions of nodes in their frames, by joint.
     node_positions: BTreeMap<usize, hir::Vector>,
     /// Whether an expression is part of a strand's law, where `x` is its length.
@@ -189,6 +192,7 @@ impl<'a> Checker<'a> {
             forces: Vec::new(),
             prescribed: Vec::new(),
             actuators: Vec::new(),
+            muscles: Vec::new(),
             node_positions: BTreeMap::new(),
             in_law: false,
             gravity: Vec::new(),
@@ -246,6 +250,7 @@ impl<'a> Checker<'a> {
         let mut masses = self.finish_masses();
         masses.extend(self.finish_node_masses());
         let strands = self.finish_strands();
+        let coordinates = in_order(coordinates, self.muscle_coordinates());
         let constraints = self.finish_constraints();
         let torques = self.finish_torques();
         let forces = self.finish_forces();
@@ -286,6 +291,17 @@ impl<'a> Checker<'a> {
         });
         given.unwrap_or_else(|| zero_vector(Dimension::ACCELERATION, span))
     }
+}
+
+/// All coordinates in the order in which they were entered.
+fn in_order(
+    of_joints: Vec<(usize, hir::Coordinate)>,
+    of_muscles: Vec<(usize, hir::Coordinate)>,
+) -> Vec<hir::Coordinate> {
+    let mut all = of_joints;
+    all.extend(of_muscles);
+    all.sort_by_key(|(index, _)| *index);
+    all.into_iter().map(|(_, coordinate)| coordinate).collect()
 }
 
 /// A constant.

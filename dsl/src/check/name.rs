@@ -91,6 +91,11 @@ impl<'a> Checker<'a> {
             return self.joint_part(joint, name, part);
         }
         if let (Entry::Strand(strand), [part]) = (entry, rest)
+            && let Some(found) = self.muscle_part(strand, part)
+        {
+            return Some(found);
+        }
+        if let (Entry::Strand(strand), [part]) = (entry, rest)
             && part.text == "rest"
         {
             if let Some(&(_, input)) = self.actuators.iter().find(|a| a.0 == strand) {

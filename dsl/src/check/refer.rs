@@ -62,6 +62,9 @@ impl<'a> Checker<'a> {
 
     /// The dimension of a coordinate: none for a rotation, a length for a translation.
     pub(super) fn coordinate_dimension(&self, coordinate: usize) -> Option<Dimension> {
+        if let Some((_, part)) = self.muscle_of(coordinate) {
+            return Some(if part == 0 { Dimension::LENGTH } else { Dimension::NONE });
+        }
         let joint = self.joints.get(self.joint_of(coordinate))?;
         let part = coordinate - joint.coordinates.start;
         let translates = match joint.kind? {

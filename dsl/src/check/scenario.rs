@@ -118,6 +118,10 @@ impl<'a> Checker<'a> {
             }
             StatementKind::Velocity(setting) => {
                 let values = self.on_coordinates(root, setting, "velocity", May::PARAMS, 1);
+                if let Some((id, _)) = values.first() {
+                    let what = "its rate follows from what the muscle is told";
+                    self.of_joint(id.index(), setting.name.span, what);
+                }
                 let values = self.first_only(draft, "velocity", setting, values);
                 draft.scenario.velocity.extend(values);
             }

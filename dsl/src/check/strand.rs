@@ -1,6 +1,7 @@
 //! Strands.
 
 use super::depend::May;
+use super::muscle;
 use super::options::Options;
 use super::scope::{Entry, ScopeId};
 use super::{Checker, Item, Named, State, Value};
@@ -25,14 +26,14 @@ const OPTIONS: [&str; 12] = [
     "quasi_static",
 ];
 /// Each of these is a law; a strand has one.
-const LAWS: [&str; 4] = ["stiffness", "energy", "tension", "drive"];
+const LAWS: [&str; 5] = ["stiffness", "energy", "tension", "drive", "muscle"];
 /// Width of slack where none is given (m).
 const SLACK_WIDTH: f64 = 1e-4;
 /// Speed that smooths friction where none is given (m/s).
 const FRICTION_SPEED: f64 = 1e-3;
 
 /// An option of a strand by name, unless it is switched off.
-fn wanted<'a>(block: &'a Block, name: &str) -> Option<&'a Setting> {
+pub(super) fn wanted<'a>(block: &'a Block, name: &str) -> Option<&'a Setting> {
     let is_named = |s: &&Setting| matches!(&s.name.parts[..], [n] if n.text == name);
     block.settings.iter().find(is_named).filter(|s| word(&s.value) != Some("false"))
 }
@@ -66,6 +67,7 @@ impl<'a> Checker<'a> {
             });
             self.actuators.push((strand, self.inputs.len() - 1));
         }
+        self.enter_muscle(scope, strand, &name, block);
         if wanted(block, "drive").is_some() && self.take("constraint", &name) {
             let index = self.constraints.len();
             self.scopes[scope.0].constraints.insert(&decl.name.text, Entry::Constraint(index));
@@ -80,7 +82,8 @@ impl<'a> Checker<'a> {
             let item = &self.strands[index];
             let (scope, decl, name) = (item.scope, item.decl, item.name.clone());
             let DeclKind::Strand(paths, block) = &decl.kind else { continue };
-            let known: Vec<&str> = std::iter::once("path").chain(OPTIONS).collect();
+            let known = std::iter::once("path").chain(OPTIONS).chain(muscle::OPTIONS);
+            let known: Vec<&str> = known.collect();
             let options = self.options(block, "a strand", &known);
             let path = self.path(scope, paths, options.broken, name.span);
             let law = self.law(scope, index, name.span, block, &options);
@@ -134,20 +137,23 @@ impl<'a> Checker<'a> {
             self.report(
                 Diagnostic::error("two-laws", second.span, message)
                     .also(first.span, "the first is here")
-                    .help("keep one of `stiffness`, `energy`, `tension` and `drive`"),
+                    .help("keep one of `stiffness`, `energy`, `tension`, `drive` and `muscle`"),
             );
         }
         let Some(law) = given.first() else {
             if !options.broken {
                 let error = Diagnostic::error("missing-option", span, "a strand needs a law");
                 self.report(error.help(
-                    "add `stiffness = 200 N/m;` to its block; other laws are `energy`, `tension` \
-                     and `drive`",
+                    "add `stiffness = 200 N/m;` to its block; other laws are `energy`, `tension`, \
+                     `drive` and `muscle`",
                 ));
             }
             return None;
         };
         let text = &law.value;
+        if law.name.parts[0].text != "muscle" {
+            self.not_a_muscle(options);
+        }
         match law.name.parts[0].text.as_str() {
             "stiffness" => {
                 let what = "`stiffness` of a strand";
@@ -173,6 +179,10 @@ impl<'a> Checker<'a> {
                 let message = "a strand pulls: its tension cannot be negative";
                 self.must(&tension, |x| x >= 0.0, message);
                 Some(hir::Law::Tension(tension))
+            }
+            "muscle" => {
+                let muscle = self.muscle(scope, index, text, span, options)?;
+                Some(hir::Law::Muscle(Box::new(muscle)))
             }
             _ => {
                 let &(_, constraint) = self.prescribed.iter().find(|p| p.0 == index)?;
@@ -309,7 +319,7 @@ impl<'a> Checker<'a> {
 }
 
 /// The single word that a value is, if it is one.
-fn word(value: &Expr) -> Option<&str> {
+pub(super) fn word(value: &Expr) -> Option<&str> {
     match &value.kind {
         ExprKind::Path(path) if path.parts.len() == 1 => Some(&path.parts[0].text),
         _ => None,

@@ -60,6 +60,24 @@ pub enum ExprKind {
     },
 }
 
+impl Expr {
+    /// The first part of the expression, itself included, for whose kind `wanted` holds.
+    pub fn find(&self, wanted: &impl Fn(&ExprKind) -> bool) -> Option<&Expr> {
+        if wanted(&self.kind) {
+            return Some(self);
+        }
+        match &self.kind {
+            ExprKind::Neg(inner) => inner.find(wanted),
+            ExprKind::Binary(_, left, right) => left.find(wanted).or_else(|| right.find(wanted)),
+            ExprKind::Call(_, arguments) => arguments.iter().find_map(|a| a.find(wanted)),
+            ExprKind::If { left, right, then, otherwise, .. } => {
+                [left, right, then, otherwise].into_iter().find_map(|e| e.find(wanted))
+            }
+            _ => None,
+        }
+    }
+}
+
 /// What a strand's own law may read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Own {
@@ -82,6 +100,12 @@ pub enum StrandQuantity {
     Taut,
     /// `dissipation(S)`: the power that its damping takes.
     Dissipation,
+    /// `fibre_length(S)` of a muscle.
+    FibreLength,
+    /// `fibre_force(S)` of a muscle, along its fibres.
+    FibreForce,
+    /// `fibre_power(S)`: the power that the active fibres of a muscle give.
+    FibrePower,
 }
 
 /// Arithmetic on two operands.

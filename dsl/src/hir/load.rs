@@ -56,6 +56,26 @@ pub enum Law {
     Tension(Expr),
     /// The length is prescribed; the multiplier of the constraint is the tension.
     Prescribed(ConstraintId),
+    /// The tension is that of a muscle's tendon.
+    Muscle(Box<Muscle>),
+}
+
+/// A muscle with an elastic tendon, after Thelen (2003).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Muscle {
+    /// Coordinate `N.fibre`: length of the fibres along the tendon.
+    pub fibre: CoordinateId,
+    /// Coordinate `N.activation`.
+    pub activation: CoordinateId,
+    /// Input `N.excitation`.
+    pub excitation: InputId,
+    /// Activation at the start; `None`: the excitation there.
+    pub start: Option<Expr>,
+    /// Largest isometric force (N), optimal fibre length (m), slack length of the tendon (m),
+    /// pennation at the optimum (rad), largest velocity (1/s), strain of the tendon and of passive
+    /// fibres at the largest force, largest force of lengthening, damping of the fibres, time
+    /// constants of activation and deactivation (s).
+    pub numbers: [Expr; 11],
 }
 
 /// An elastic path.

@@ -14,10 +14,13 @@ mod scenario;
 mod tree;
 
 pub use expr::{BinaryOp, Compare, Expr, ExprKind, Function, Own, StrandQuantity, Vector};
-pub use load::{Constraint, ConstraintKind, Force, Law, Point, Strand, Surface, Torque, Wrap};
+pub use load::{
+    Constraint, ConstraintKind, Force, Law, Muscle, Point, Strand, Surface, Torque, Wrap,
+};
 pub use scenario::{Follow, Motion, Pose, Record, Scenario};
 pub use tree::{
-    Amount, Coordinate, Frame, Joint, JointKind, Mass, MassKind, MotionKind, Placement, Rotation,
+    Amount, Coordinate, Frame, Joint, JointKind, Mass, MassKind, MotionKind, Owner, Placement,
+    Rotation,
 };
 
 use crate::dimension::Dimension;
@@ -115,7 +118,7 @@ pub struct Model {
     pub frames: Vec<Frame>,
     /// Joints in declaration order.
     pub joints: Vec<Joint>,
-    /// Coordinates in declaration order of their joints.
+    /// Coordinates in declaration order of their joints, nodes and muscles.
     pub coordinates: Vec<Coordinate>,
     /// Masses in declaration order.
     pub masses: Vec<Mass>,

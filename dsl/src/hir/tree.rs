@@ -1,6 +1,6 @@
 //! Frames, joints, coordinates and masses of a checked model.
 
-use super::{CoordinateId, Expr, FrameId, JointId, Name, Vector};
+use super::{CoordinateId, Expr, FrameId, JointId, Name, StrandId, Vector};
 use crate::source::Span;
 use serde::Serialize;
 
@@ -74,6 +74,19 @@ pub enum MotionKind {
         /// Advance per radian.
         pitch: Expr,
     },
+    /// None: the length of a muscle's fibres along its tendon (m).
+    Fibre,
+    /// None: the activation of a muscle.
+    Activation,
+}
+
+/// What a coordinate belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Owner {
+    /// A joint or a node.
+    Joint(JointId),
+    /// A strand that is a muscle.
+    Muscle(StrandId),
 }
 
 /// One generalized coordinate.
@@ -81,8 +94,8 @@ pub enum MotionKind {
 pub struct Coordinate {
     /// `N` for a joint of one coordinate, else `N.a`, `N.tx`, …
     pub name: Name,
-    /// The joint it belongs to.
-    pub joint: JointId,
+    /// What it belongs to.
+    pub owner: Owner,
     /// What it does.
     pub motion: MotionKind,
     /// Axis of the motion, not necessarily of unit length.

@@ -94,18 +94,19 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "mcp".into(), kind : CoordinateKind::Angle, kinematic :
-            false, is_static : false, }, Coordinate { name : "pip".into(), kind :
-            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
-            name : "dip".into(), kind : CoordinateKind::Angle, kinematic : false,
-            is_static : false, }
+            false, is_static : false, is_internal : false, }, Coordinate { name : "pip"
+            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
+            is_internal : false, }, Coordinate { name : "dip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }
         ],
         strands: vec![
             Strand { name : "fdp".into(), has_rest : false, is_prescribed : false,
-            actuator : None, }, Strand { name : "fds".into(), has_rest : false,
-            is_prescribed : false, actuator : None, }, Strand { name : "edc".into(),
-            has_rest : false, is_prescribed : false, actuator : None, }, Strand { name :
-            "lumbrical".into(), has_rest : false, is_prescribed : false, actuator : None,
-            }
+            actuator : None, muscle : None, }, Strand { name : "fds".into(), has_rest :
+            false, is_prescribed : false, actuator : None, muscle : None, }, Strand {
+            name : "edc".into(), has_rest : false, is_prescribed : false, actuator :
+            None, muscle : None, }, Strand { name : "lumbrical".into(), has_rest : false,
+            is_prescribed : false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
         rows: vec![],

@@ -78,10 +78,11 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "crank".into(), kind : CoordinateKind::Angle, kinematic :
-            false, is_static : false, }, Coordinate { name : "coupler".into(), kind :
-            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
-            name : "rocker".into(), kind : CoordinateKind::Angle, kinematic : false,
-            is_static : false, }
+            false, is_static : false, is_internal : false, }, Coordinate { name :
+            "coupler".into(), kind : CoordinateKind::Angle, kinematic : false, is_static
+            : false, is_internal : false, }, Coordinate { name : "rocker".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }
         ],
         strands: vec![],
         wraps: vec![],

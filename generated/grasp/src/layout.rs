@@ -312,79 +312,92 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "index.ab".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "index.mcp"
+            kinematic : false, is_static : false, is_internal : false, }, Coordinate {
+            name : "index.mcp".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, is_internal : false, }, Coordinate { name : "index.pip"
             .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "index.pip".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "index.dip"
+            is_internal : false, }, Coordinate { name : "index.dip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "middle.ab".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "middle.mcp".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "middle.pip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "middle.dip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "ring.ab".into(), kind : CoordinateKind::Angle,
+            kinematic : false, is_static : false, is_internal : false, }, Coordinate {
+            name : "ring.mcp".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, is_internal : false, }, Coordinate { name : "ring.pip"
             .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "middle.ab".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "middle.mcp"
+            is_internal : false, }, Coordinate { name : "ring.dip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "little.ab".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "little.mcp".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "little.pip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "little.dip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "thumb.ab".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "thumb.cmc".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "thumb.mcp".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "thumb.ip".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "ball.tx".into(), kind :
+            CoordinateKind::Length, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "ball.ty".into(), kind :
+            CoordinateKind::Length, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "ball.tz".into(), kind :
+            CoordinateKind::Length, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "ball.rx".into(), kind : CoordinateKind::Angle,
+            kinematic : false, is_static : false, is_internal : false, }, Coordinate {
+            name : "ball.ry".into(), kind : CoordinateKind::Angle, kinematic : false,
+            is_static : false, is_internal : false, }, Coordinate { name : "ball.rz"
             .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "middle.pip".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "middle.dip"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "ring.ab".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "ring.mcp"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "ring.pip".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "ring.dip"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "little.ab".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "little.mcp"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "little.pip".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "little.dip"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "thumb.ab".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "thumb.cmc"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "thumb.mcp".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "thumb.ip"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "ball.tx".into(), kind : CoordinateKind::Length,
-            kinematic : false, is_static : false, }, Coordinate { name : "ball.ty"
-            .into(), kind : CoordinateKind::Length, kinematic : false, is_static : false,
-            }, Coordinate { name : "ball.tz".into(), kind : CoordinateKind::Length,
-            kinematic : false, is_static : false, }, Coordinate { name : "ball.rx"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }, Coordinate { name : "ball.ry".into(), kind : CoordinateKind::Angle,
-            kinematic : false, is_static : false, }, Coordinate { name : "ball.rz"
-            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
-            }
+            is_internal : false, }
         ],
         strands: vec![
             Strand { name : "index.fdp".into(), has_rest : false, is_prescribed : false,
-            actuator : None, }, Strand { name : "index.edc".into(), has_rest : false,
-            is_prescribed : false, actuator : None, }, Strand { name :
-            "index.interosseous".into(), has_rest : false, is_prescribed : false,
-            actuator : None, }, Strand { name : "index.band".into(), has_rest : false,
-            is_prescribed : false, actuator : None, }, Strand { name : "middle.fdp"
-            .into(), has_rest : false, is_prescribed : false, actuator : None, }, Strand
-            { name : "middle.edc".into(), has_rest : false, is_prescribed : false,
-            actuator : None, }, Strand { name : "middle.interosseous".into(), has_rest :
-            false, is_prescribed : false, actuator : None, }, Strand { name :
+            actuator : None, muscle : None, }, Strand { name : "index.edc".into(),
+            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
+            Strand { name : "index.interosseous".into(), has_rest : false, is_prescribed
+            : false, actuator : None, muscle : None, }, Strand { name : "index.band"
+            .into(), has_rest : false, is_prescribed : false, actuator : None, muscle :
+            None, }, Strand { name : "middle.fdp".into(), has_rest : false, is_prescribed
+            : false, actuator : None, muscle : None, }, Strand { name : "middle.edc"
+            .into(), has_rest : false, is_prescribed : false, actuator : None, muscle :
+            None, }, Strand { name : "middle.interosseous".into(), has_rest : false,
+            is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
             "middle.band".into(), has_rest : false, is_prescribed : false, actuator :
-            None, }, Strand { name : "ring.fdp".into(), has_rest : false, is_prescribed :
-            false, actuator : None, }, Strand { name : "ring.edc".into(), has_rest :
-            false, is_prescribed : false, actuator : None, }, Strand { name :
-            "ring.interosseous".into(), has_rest : false, is_prescribed : false, actuator
-            : None, }, Strand { name : "ring.band".into(), has_rest : false,
-            is_prescribed : false, actuator : None, }, Strand { name : "little.fdp"
-            .into(), has_rest : false, is_prescribed : false, actuator : None, }, Strand
-            { name : "little.edc".into(), has_rest : false, is_prescribed : false,
-            actuator : None, }, Strand { name : "little.interosseous".into(), has_rest :
-            false, is_prescribed : false, actuator : None, }, Strand { name :
-            "little.band".into(), has_rest : false, is_prescribed : false, actuator :
-            None, }, Strand { name : "thumb.fpl".into(), has_rest : false, is_prescribed
-            : false, actuator : None, }, Strand { name : "thumb.epl".into(), has_rest :
-            false, is_prescribed : false, actuator : None, }, Strand { name : "thumb.epb"
-            .into(), has_rest : false, is_prescribed : false, actuator : None, }, Strand
-            { name : "thumb.apl".into(), has_rest : false, is_prescribed : false,
-            actuator : None, }, Strand { name : "thumb.apb".into(), has_rest : false,
-            is_prescribed : false, actuator : None, }, Strand { name : "thumb.opp"
-            .into(), has_rest : false, is_prescribed : false, actuator : None, }, Strand
-            { name : "thumb.adp".into(), has_rest : false, is_prescribed : false,
-            actuator : None, }
+            None, muscle : None, }, Strand { name : "ring.fdp".into(), has_rest : false,
+            is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
+            "ring.edc".into(), has_rest : false, is_prescribed : false, actuator : None,
+            muscle : None, }, Strand { name : "ring.interosseous".into(), has_rest :
+            false, is_prescribed : false, actuator : None, muscle : None, }, Strand {
+            name : "ring.band".into(), has_rest : false, is_prescribed : false, actuator
+            : None, muscle : None, }, Strand { name : "little.fdp".into(), has_rest :
+            false, is_prescribed : false, actuator : None, muscle : None, }, Strand {
+            name : "little.edc".into(), has_rest : false, is_prescribed : false, actuator
+            : None, muscle : None, }, Strand { name : "little.interosseous".into(),
+            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
+            Strand { name : "little.band".into(), has_rest : false, is_prescribed :
+            false, actuator : None, muscle : None, }, Strand { name : "thumb.fpl".into(),
+            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
+            Strand { name : "thumb.epl".into(), has_rest : false, is_prescribed : false,
+            actuator : None, muscle : None, }, Strand { name : "thumb.epb".into(),
+            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
+            Strand { name : "thumb.apl".into(), has_rest : false, is_prescribed : false,
+            actuator : None, muscle : None, }, Strand { name : "thumb.apb".into(),
+            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
+            Strand { name : "thumb.opp".into(), has_rest : false, is_prescribed : false,
+            actuator : None, muscle : None, }, Strand { name : "thumb.adp".into(),
+            has_rest : false, is_prescribed : false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
         rows: vec![

@@ -56,7 +56,7 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "theta".into(), kind : CoordinateKind::Angle, kinematic :
-            false, is_static : false, }
+            false, is_static : false, is_internal : false, }
         ],
         strands: vec![],
         wraps: vec![],

@@ -124,20 +124,22 @@ pub fn layout() -> Layout {
         inputs: vec![],
         coordinates: vec![
             Coordinate { name : "beta".into(), kind : CoordinateKind::Angle, kinematic :
-            false, is_static : false, }, Coordinate { name : "Theta".into(), kind :
-            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
-            name : "gamma".into(), kind : CoordinateKind::Angle, kinematic : false,
-            is_static : false, }, Coordinate { name : "delta".into(), kind :
-            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
+            false, is_static : false, is_internal : false, }, Coordinate { name : "Theta"
+            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
+            is_internal : false, }, Coordinate { name : "gamma".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }, Coordinate { name : "delta".into(), kind : CoordinateKind::Angle,
+            kinematic : false, is_static : false, is_internal : false, }, Coordinate {
             name : "phi".into(), kind : CoordinateKind::Angle, kinematic : false,
-            is_static : false, }, Coordinate { name : "epsilon".into(), kind :
-            CoordinateKind::Angle, kinematic : false, is_static : false, }, Coordinate {
-            name : "Omega".into(), kind : CoordinateKind::Angle, kinematic : false,
-            is_static : false, }
+            is_static : false, is_internal : false, }, Coordinate { name : "epsilon"
+            .into(), kind : CoordinateKind::Angle, kinematic : false, is_static : false,
+            is_internal : false, }, Coordinate { name : "Omega".into(), kind :
+            CoordinateKind::Angle, kinematic : false, is_static : false, is_internal :
+            false, }
         ],
         strands: vec![
             Strand { name : "spring".into(), has_rest : true, is_prescribed : false,
-            actuator : None, }
+            actuator : None, muscle : None, }
         ],
         wraps: vec![],
         rows: vec![

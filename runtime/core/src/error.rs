@@ -19,7 +19,7 @@ pub struct StepError {
     pub condition: f64,
     /// Newton iterations spent, over all guesses.
     pub iterations: usize,
-    /// Which strand cannot pass its surface and why, if that is what went wrong; else empty.
+    /// Which strand cannot do what it is to and why, if that is what went wrong; else empty.
     pub blocked: String,
     /// What to try.
     pub hints: Vec<String>,
@@ -34,7 +34,7 @@ pub enum StepErrorKind {
     Singular,
     /// The equations gave a value that is not finite at the state itself.
     NotFinite,
-    /// A strand cannot pass its surface.
+    /// A strand cannot pass its surface, or a muscle is told what it cannot do.
     Blocked,
 }
 

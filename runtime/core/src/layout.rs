@@ -7,6 +7,8 @@ pub enum CoordinateKind {
     Angle,
     /// A length (m).
     Length,
+    /// A number without unit.
+    Ratio,
 }
 
 /// A generalized coordinate.
@@ -20,6 +22,9 @@ pub struct Coordinate {
     pub kinematic: bool,
     /// Whether it is in static equilibrium: no mass moves with it and nothing depends on its rate.
     pub is_static: bool,
+    /// Whether it is an internal variable: no mass moves with it, but its own equation depends on its
+    /// rate ([`crate::internal`]).
+    pub is_internal: bool,
 }
 
 /// A parameter or an input.
@@ -43,6 +48,21 @@ pub struct Strand {
     /// The input that is its natural length, if it has one; an input that is not a number stands for
     /// the length at the start.
     pub actuator: Option<usize>,
+    /// The muscle that it is, if it is one.
+    pub muscle: Option<Muscle>,
+}
+
+/// Where the numbers of a muscle stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Muscle {
+    /// Coordinate of its fibres' length along the tendon (m).
+    pub fibre: usize,
+    /// Coordinate of its activation.
+    pub activation: usize,
+    /// Input of its excitation.
+    pub excitation: usize,
+    /// Whether the model gives the activation at the start; if not it is the excitation there.
+    pub has_start: bool,
 }
 
 /// A surface that a strand wraps.
@@ -138,6 +158,22 @@ impl Layout {
     pub fn statics(&self, driven: &[bool]) -> Vec<usize> {
         let is_static = |&c: &usize| self.coordinates[c].is_static && !driven[c];
         (0..self.coordinates.len()).filter(is_static).collect()
+    }
+    /// Internal coordinates that are not driven, by index.
+    pub fn internals(&self, driven: &[bool]) -> Vec<usize> {
+        let is_internal = |&c: &usize| self.coordinates[c].is_internal && !driven[c];
+        (0..self.coordinates.len()).filter(is_internal).collect()
+    }
+    /// Coordinates that move no mass and are not driven, by index: in static equilibrium or internal.
+    pub fn massless(&self, driven: &[bool]) -> Vec<usize> {
+        let is_massless = |&c: &usize| {
+            (self.coordinates[c].is_static || self.coordinates[c].is_internal) && !driven[c]
+        };
+        (0..self.coordinates.len()).filter(is_massless).collect()
+    }
+    /// Strands that are muscles: name and where their numbers stand.
+    pub fn muscles(&self) -> impl Iterator<Item = (&str, &Muscle)> {
+        self.strands.iter().filter_map(|s| Some((s.name.as_str(), s.muscle.as_ref()?)))
     }
     /// Numbers in a packed Newton matrix.
     pub fn matrix_size(&self) -> usize {

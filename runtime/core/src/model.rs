@@ -40,7 +40,7 @@ pub struct Instant<'a> {
     pub t: f64,
     /// Coordinates.
     pub q: &'a [f64],
-    /// Rates of the step just ended.
+    /// Rates of the step just ended; of internal coordinates those with which they balance.
     pub v: &'a [f64],
     /// Inputs of the step just ended.
     pub inputs: &'a [f64],
@@ -136,6 +136,10 @@ pub trait Model {
 
     /// Values of the scenario's records, in order.
     fn scenario_records(&mut self, scenario: usize, at: &Instant, values: &mut [f64]);
+
+    /// Numbers of every muscle that must be positive, muscle by muscle in the order of
+    /// [`muscle::NUMBERS`](crate::muscle::NUMBERS).
+    fn muscle_numbers(&mut self, _numbers: &mut [f64]) {}
 
     /// A stamp of the parameters: no two sets of them, in this model or another of its kind, bear
     /// the same.

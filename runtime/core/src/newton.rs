@@ -5,9 +5,10 @@
 //! has converged, a lane that is done is held still, and if any lane needs a shorter step, another
 //! guess or pivoting, the step is given back to be taken there.
 
+use crate::internal::RATE;
 use crate::lane::Lane;
 use crate::shape::{Local, Shape};
-use crate::step::{FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
+use crate::step::{BALANCE, FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
 
 /// Evaluations of the Newton matrix before the step is given back.
 const MATRICES: usize = 6;
@@ -34,12 +35,26 @@ pub(crate) struct Start<L, const N: usize, const Q: usize, const S: usize, const
     pub(crate) inputs: [L; U],
     /// Least size of each coordinate for tolerances (1 rad or the model's length).
     pub(crate) size: [L; N],
+    /// What past steps add to the rates of internal coordinates.
+    pub(crate) past: [L; N],
     /// Relative tolerance on momenta.
     pub(crate) tolerance: L,
 }
 
+/// Which equations are of static equilibrium, where their tolerance is wider and remembers how stiff
+/// they have been; see [`crate::step`].
+#[derive(Clone, Copy)]
+pub(crate) struct Balances<L, const N: usize> {
+    /// 1 where it is one, else 0.
+    pub(crate) is: [L; N],
+    /// The largest sensitivity so far; zero for others.
+    pub(crate) stiffest: [L; N],
+}
+
 /// Where it ends.
 pub(crate) struct End<L, const N: usize, const Q: usize> {
+    /// What static equilibria remember.
+    pub(crate) balances: Option<Balances<L, N>>,
     /// Increment.
     pub(crate) delta: [L; Q],
     /// Force at the midpoint.
@@ -70,17 +85,21 @@ fn merit<L: Lane, const N: usize>(r: &[L; N], per_scale: &[L; N]) -> (L, u8) {
     (largest, sum.less(L::splat(f64::INFINITY)))
 }
 
-/// Puts the midpoint where the increment leads.
+/// Puts the midpoint where the increment leads; `internal` are internal coordinates.
 #[inline(always)]
 fn put_at<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usize>(
     local: &mut Local<L, Q, S, U>,
     start: &Start<L, N, Q, S, U>,
     delta: &[L; Q],
     per_h: L,
+    internal: &[usize],
 ) {
     for i in 0..Q {
         local.q[i] = L::splat(0.5).mul_add(delta[i], start.q[i]);
         local.v[i] = delta[i] * per_h;
+    }
+    for &i in internal {
+        local.v[i] = L::splat(RATE).mul_add(local.v[i], start.past[i]);
     }
 }
 
@@ -111,6 +130,7 @@ pub(crate) fn newton<
 >(
     start: &Start<L, N, Q, S, U>,
     constants: &[f64],
+    balances: Option<Balances<L, N>>,
 ) -> End<L, N, Q> {
     let zero = L::splat(0.0);
     let per_h = L::splat(1.0) / start.h;
@@ -123,15 +143,16 @@ pub(crate) fn newton<
         rest: start.rest,
         inputs: start.inputs,
     };
-    let mut end = End { delta: start.delta, force: [zero; N], iterations: 0, failed: L::ALL };
+    let mut end =
+        End { balances, delta: start.delta, force: [zero; N], iterations: 0, failed: L::ALL };
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
     let mut done = 0;
     for _ in 0..MATRICES {
         let mut matrix = [zero; M];
-        put_at(&mut local, start, &end.delta, per_h);
+        put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
         Sh::evaluate_with_matrix(&local, constants, &mut at.momentum, &mut at.force, &mut matrix);
         at.balance(start, half_h);
-        let per_scale = per_scales(start, &at, half_h, &matrix);
+        let per_scale = per_scales(start, &at, half_h, &matrix, &mut end.balances);
         let (mut before, finite) = merit(&at.r, &per_scale);
         let converged = before.less_equal(L::splat(1.0)) & finite & !done;
         hold(converged, &at.force, &mut end.force);
@@ -149,7 +170,7 @@ pub(crate) fn newton<
                 end.delta[i] = L::choose(done, end.delta[i], end.delta[i] - correction[i]);
             }
             let force_before = at.force;
-            put_at(&mut local, start, &end.delta, per_h);
+            put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
             Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
             at.balance(start, half_h);
             let (next, finite) = merit(&at.r, &per_scale);
@@ -227,6 +248,7 @@ fn per_scales<
     at: &Residual<L, N>,
     half_h: L,
     matrix: &[L; M],
+    balances: &mut Option<Balances<L, N>>,
 ) -> [L; N] {
     let floor = L::splat(FLOOR);
     let mut size = start.size;
@@ -241,6 +263,11 @@ fn per_scales<
         let mut sum = L::splat(0.0);
         for j in 0..N {
             sum = matrix[i * N + j].abs().mul_add(size[j], sum);
+        }
+        if let Some(balances) = balances {
+            sum = sum.max(balances.stiffest[i]);
+            balances.stiffest[i] = balances.is[i] * sum;
+            sum = L::splat(BALANCE - 1.0).mul_add(balances.stiffest[i], sum);
         }
         row = row.max(sum);
         let scale = (floor * row).max(start.tolerance * asked);

@@ -49,6 +49,8 @@ pub struct Local<L, const Q: usize, const S: usize, const U: usize> {
 pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, const U: usize> {
     /// How many numbers differ between blocks or depend on parameters.
     const CONSTANTS: usize;
+    /// Internal coordinates of a block by place ([`crate::internal`]).
+    const INTERNAL: &'static [usize] = &[];
 
     /// Momentum ∂L/∂q̇ and force ∂L/∂q + F.
     fn evaluate<L: Lane>(

@@ -8,6 +8,7 @@ use crate::lanes::Courses;
 use crate::layout::Layout;
 use crate::lookup::find_scenario;
 use crate::model::{Instant, Model, ScenarioValues};
+use crate::muscle;
 use crate::passage::{Blocked, blocked};
 use crate::start::{Kinetic, momentum, project};
 use crate::statics::Statics;
@@ -65,9 +66,13 @@ pub struct Simulation<M> {
     is_fed: bool,
     /// Whether any coordinate has its path given.
     is_driven: bool,
+    /// Whether any strand is a muscle.
+    is_muscular: bool,
     statics: Statics,
-    /// Coordinates as they are written: with statics settled at the state's time.
+    /// Coordinates as they are written: those without mass settled at the state's time.
     seen_q: Vec<f64>,
+    /// Rates as they are written.
+    seen_v: Vec<f64>,
     /// One for each `follow` of the scenario.
     followed: Vec<Followed>,
     driven_q: Vec<f64>,
@@ -108,7 +113,10 @@ impl<M: Model> Simulation<M> {
         model.start(&mut q, &mut v);
         values.start.iter().for_each(|&(c, value)| q[c] = value);
         values.velocity.iter().for_each(|&(c, value)| v[c] = value);
-        q.iter_mut().zip(&settings.start_offset).for_each(|(q, offset)| *q += offset);
+        for ((q, offset), c) in q.iter_mut().zip(&settings.start_offset).zip(&layout.coordinates) {
+            // Internal variables follow from the rest.
+            *q += if c.is_internal { 0.0 } else { *offset };
+        }
         let poses = full_poses(&q, &values);
         let mut driven_q = q.clone();
         drives(&mut model, scenario, 0.0, &mut driven_q);
@@ -142,21 +150,24 @@ impl<M: Model> Simulation<M> {
             is_prescribed: layout.strands.iter().any(|s| s.is_prescribed),
             is_fed: !layout.inputs.is_empty() || layout.strands.iter().any(|s| s.has_rest),
             is_driven,
+            is_muscular: layout.strands.iter().any(|s| s.muscle.is_some()),
             seen_q: vec![0.0; n],
+            seen_v: vec![0.0; n],
             driven_q,
             kinetic: Kinetic::default(),
             layout,
             model,
         };
-        simulation.find_start()?;
+        let started: Vec<usize> = values.start.iter().map(|&(c, _)| c).collect();
+        simulation.find_start(&started)?;
         let follows = simulation.follows();
         simulation.stepper.lanes().follow(follows);
         Ok(simulation)
     }
 
     /// Puts the start on the constraints, measures natural lengths that are left out, and settles
-    /// what is in static equilibrium.
-    fn find_start(&mut self) -> Result<(), RunError> {
+    /// what moves no mass; `started` are the coordinates whose start the scenario gives.
+    fn find_start(&mut self, started: &[usize]) -> Result<(), RunError> {
         self.feed(0.0);
         let (model, driven) = (&mut self.model, &self.driven);
         let State { q, v, p, .. } = &mut self.state;
@@ -186,8 +197,19 @@ impl<M: Model> Simulation<M> {
             }
         }
         self.feed(0.0);
-        let around = (0.0, &self.rest[..], &self.inputs[..]);
-        let settled = self.statics.settle(&mut self.model, &mut self.state.q, around);
+        self.begin_muscles(started)?;
+        if self.statics.is_empty() {
+            return Ok(());
+        }
+        let given = (0.0, &self.rest[..], &self.inputs[..]);
+        // Activations are given, and fibre lengths that the scenario gives.
+        let muscles = self.layout.muscles();
+        let held = muscles.flat_map(|(_, muscle)| {
+            let fibre = Some(muscle.fibre).filter(|fibre| started.contains(fibre));
+            [Some(muscle.activation), fibre]
+        });
+        let held: Vec<usize> = held.flatten().collect();
+        let settled = self.statics.rest(&mut self.model, &mut self.state.q, &held, given);
         settled.map_err(|(coordinate, force)| {
             let name = &self.layout.coordinates[coordinate].name;
             RunError::Start(format!(
@@ -195,7 +217,33 @@ impl<M: Model> Simulation<M> {
                  try: a start nearer to where its strands balance, or natural lengths at which they \
                  pull"
             ))
-        })
+        })?;
+        let State { q, v, .. } = &mut self.state;
+        self.statics.rates(&mut self.model, q, v, given);
+        Ok(())
+    }
+
+    /// Muscles begin with the activation that is given, or else in balance with their excitation.
+    fn begin_muscles(&mut self, started: &[usize]) -> Result<(), RunError> {
+        let layout = Arc::clone(&self.layout);
+        let fail = |what: String| {
+            RunError::Start(format!("at the start {what}\n  try: parameters within their range"))
+        };
+        if layout.muscles().next().is_none() {
+            return Ok(());
+        }
+        if let Some(what) = muscle::wrong_number(&mut self.model) {
+            return Err(fail(what));
+        }
+        for (_, muscle) in layout.muscles() {
+            let a = muscle.activation;
+            if !(muscle.has_start || self.driven[a] || started.contains(&a)) {
+                self.state.q[a] = self.inputs[muscle.excitation];
+            }
+        }
+        let given = vec![true; self.driven.len()];
+        let fault = muscle::out_of_range(&self.model, (&self.state.q, &given), &self.inputs);
+        fault.map_or(Ok(()), |what| Err(fail(what)))
     }
 
     /// Names, counts and blocks of the model.
@@ -234,6 +282,9 @@ impl<M: Model> Simulation<M> {
     /// As [`Simulation::step`], without lanes.
     pub(crate) fn step_by_numbers(&mut self) -> Result<(), RunError> {
         self.prepare();
+        if self.is_muscular {
+            self.excitable()?;
+        }
         let Parts { model, state, stepper, around, .. } = self.parts();
         Ok(stepper.step_by_numbers(model, state, &around)?)
     }
@@ -276,6 +327,25 @@ impl<M: Model> Simulation<M> {
         let courses = Courses { poses: &self.poses, motions: &self.motions };
         let (model, state, stepper) = (&mut self.model, &mut self.state, &mut self.stepper);
         Parts { model, state, stepper, around, courses }
+    }
+
+    /// An error if a muscle is told what it cannot do in the prepared step.
+    fn excitable(&self) -> Result<(), RunError> {
+        let told = (&self.driven_q[..], &self.driven[..]);
+        let Some(what) = muscle::out_of_range(&self.model, told, &self.inputs) else {
+            return Ok(());
+        };
+        Err(RunError::Step(StepError {
+            kind: StepErrorKind::Blocked,
+            t: self.state.t,
+            step: self.state.step + 1,
+            equation: "none".to_string(),
+            residual: 0.0,
+            condition: f64::NAN,
+            iterations: 0,
+            blocked: what,
+            hints: vec!["`clamp(e, 0, 1)` where the excitation is computed".to_string()],
+        }))
     }
 
     /// An error if a strand cannot pass its surface where the run is.
@@ -339,11 +409,13 @@ impl<M: Model> Simulation<M> {
     /// state itself has them at the middle of the step.
     pub fn coordinates(&mut self) -> &[f64] {
         self.seen_q.copy_from_slice(&self.state.q);
-        if !self.statics.is_empty() {
+        if !self.statics.is_empty() && self.state.step > 0 {
             self.feed(self.state.t);
-            let around = (self.state.t, &self.rest[..], &self.inputs[..]);
-            // Where no balance is found the next step will say so.
-            if self.statics.settle(&mut self.model, &mut self.seen_q, around).is_err() {
+            let given = (self.state.t, &self.rest[..], &self.inputs[..]);
+            let (statics, q) = (&mut self.statics, &mut self.seen_q);
+            // Before the first step all is where it rests, and internal variables where they were
+            // put. Where no balance is found the next step will say so.
+            if statics.settle(&mut self.model, q, self.h, given).is_err() {
                 self.seen_q.copy_from_slice(&self.state.q);
             }
         }
@@ -370,6 +442,15 @@ impl<M: Model> Simulation<M> {
     /// Shows the model the instant that the state has reached.
     pub fn look<T>(&mut self, see: impl FnOnce(&mut M, &Instant) -> T) -> T {
         self.coordinates();
+        self.seen_v.copy_from_slice(&self.state.v);
+        if self.state.step > 0 {
+            for (_, muscle) in self.layout.muscles() {
+                for c in [muscle.fibre, muscle.activation].into_iter().filter(|&c| !self.driven[c])
+                {
+                    self.seen_v[c] = (self.seen_q[c] - self.state.q[c]) / (0.5 * self.h);
+                }
+            }
+        }
         self.feed(self.state.t);
         let rest = std::mem::take(&mut self.rest);
         self.rest.clone_from(&rest);
@@ -378,7 +459,7 @@ impl<M: Model> Simulation<M> {
         let at = Instant {
             t: self.state.t,
             q: &self.seen_q,
-            v: &self.state.v,
+            v: &self.seen_v,
             inputs: &self.inputs,
             lambda: &self.state.lambda,
             rest: &rest,

@@ -80,8 +80,9 @@ impl<M: Model> Together<M> {
 
     fn may_use_lanes(&self) -> bool {
         let Some(&first) = self.active.first() else { return false };
-        let scenario = self.runs[first].scenario();
-        let may = |run: &Simulation<M>| run.may_use_lanes() && run.scenario() == scenario;
+        let alike = |run: &Simulation<M>| (run.scenario(), run.state.step);
+        let first = alike(&self.runs[first]);
+        let may = |run: &Simulation<M>| run.may_use_lanes() && alike(run) == first;
         self.active.len() <= RUNS && self.active.iter().all(|&number| may(&self.runs[number]))
     }
 
@@ -89,7 +90,9 @@ impl<M: Model> Together<M> {
     /// the active ones.
     fn step_on_lanes(&mut self) -> u8 {
         let Together { runs, active, lanes, .. } = self;
-        active.iter().for_each(|&number| runs[number].prepare_for_lanes());
+        if !active.iter().fold(true, |all, &number| all & runs[number].prepare_for_lanes()) {
+            return u8::MAX;
+        }
         let first = &runs[active[0]];
         let mut models = [&first.model; RUNS];
         let mut around = [Around::NOTHING; RUNS];
@@ -102,9 +105,8 @@ impl<M: Model> Together<M> {
         }
         let models = &models[..active.len()];
         if !lanes.arrange(models) || !self.is_held {
-            let states: Vec<_> = active.iter().map(|&number| &runs[number].state).collect();
-            let missed: Vec<_> = active.iter().map(|&number| runs[number].missed()).collect();
-            lanes.take_up(&states, &missed, &around);
+            let taken_up: Vec<_> = active.iter().map(|&number| runs[number].taken_up()).collect();
+            lanes.take_up(&taken_up, &around);
         }
         lanes.feed(&around, &courses);
         let Outcome::Stepped(bits) = lanes.step(models) else {

@@ -76,7 +76,7 @@ impl Tangent {
             .coordinates
             .iter()
             .map(|c| match c.kind {
-                CoordinateKind::Angle => 1.0,
+                CoordinateKind::Angle | CoordinateKind::Ratio => 1.0,
                 CoordinateKind::Length => layout.length_scale,
             })
             .collect();

@@ -12,7 +12,7 @@ impl<S: Scalar> Mechanics<'_, S> {
         let mut energy = self.joint_potential(q);
         for index in 0..self.numbers.strands.len() {
             self.strand_length(workspace, q, index, Order::Length);
-            energy += self.strand_energy(index, workspace.strand.lengths[index], rest[index]);
+            energy += self.strand_energy(index, q, workspace.strand.lengths[index], rest[index]);
         }
         let Some(gravity) = self.numbers.gravity else { return energy };
         self.world_links(workspace, q, |link| self.structure.has_mass_below[link]);

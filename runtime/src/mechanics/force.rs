@@ -98,11 +98,12 @@ impl<S: Scalar> Mechanics<'_, S> {
 
     fn add_slopes(&self, terms: &mut Terms<S>, row: usize, weight: S, slopes: &Slopes<S>) {
         let Some((h, _)) = terms.matrix else { return };
-        let (quarter, half) = (h.scale(0.25), S::constant(0.5));
+        let quarter = h.scale(0.25);
         for &(column, slope) in &slopes.dq {
             terms.add(self.structure, row, column, quarter * weight * slope);
         }
         for &(column, slope) in &slopes.dv {
+            let half = S::constant(0.5 * self.structure.rate_weight(column));
             terms.add(self.structure, row, column, half * weight * slope);
         }
     }

@@ -176,11 +176,9 @@ impl<S: Scalar> Mechanics<'_, S> {
                 self.add_entry(row, column, value, terms);
             }
         }
-        for (slopes, weight) in [(&pull.dq, quarter), (&pull.dv, half)] {
-            for &(column, slope) in slopes {
-                for (&row, &g) in coordinates.iter().zip(&found.gradient) {
-                    self.add_entry(row, column, -(weight * slope * g), terms);
-                }
+        for (column, slope) in self.others(&pull, h) {
+            for (&row, &g) in coordinates.iter().zip(&found.gradient) {
+                self.add_entry(row, column, -(slope * g), terms);
             }
         }
     }

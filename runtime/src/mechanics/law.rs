@@ -98,6 +98,7 @@ impl<S: Scalar> Mechanics<'_, S> {
                 }
             }
             Law::Prescribed => {}
+            Law::Muscle(muscle) => self.pull_of_tendon(at, index, muscle, length, &mut pull),
         }
         if let (Some(ramp), Law::Linear { .. } | Law::Energy(_)) =
             (ramp, &self.mechanism.strands[index].law)
@@ -134,7 +135,7 @@ impl<S: Scalar> Mechanics<'_, S> {
 
     /// Energy (J) of a strand of length x: of a commanded tension T·x where T is constant in time
     /// and in the state, else none.
-    pub(crate) fn strand_energy(&self, index: usize, length: S, rest: S) -> S {
+    pub(crate) fn strand_energy(&self, index: usize, q: &[S], length: S, rest: S) -> S {
         let numbers = &self.numbers.strands[index];
         let ramp = self.ramp(index, length, rest);
         let seen = ramp.map_or(length, |ramp| rest + ramp.value);
@@ -154,6 +155,10 @@ impl<S: Scalar> Mechanics<'_, S> {
                 seen * function.program.value(|variable| self.read_own(variable, zero, zero))
             }
             Law::Prescribed => S::zero(),
+            Law::Muscle(muscle) => {
+                let s = q[muscle.fibre as usize];
+                numbers.muscle.map_or(S::zero(), |resolved| resolved.energy(length - s, s))
+            }
         }
     }
 

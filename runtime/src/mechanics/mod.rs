@@ -15,6 +15,7 @@ mod friction;
 pub mod inertia;
 pub mod joint;
 mod law;
+mod muscle;
 mod ramp;
 mod run;
 pub mod segment;
@@ -114,11 +115,11 @@ impl<S: Scalar> Workspace<S> {
     /// For a mechanism of the given shape.
     pub fn new(structure: &Structure) -> Self {
         Workspace {
-            sin_cos: vec![(S::zero(), S::one()); structure.count],
-            inertia: inertia::Scratch::new(structure.count),
+            sin_cos: vec![(S::zero(), S::one()); structure.links()],
+            inertia: inertia::Scratch::new(structure.links()),
             run: run::Scratch::new(),
             strand: strand::Scratch::new(structure),
-            world: vec![world::WorldLink::default(); structure.count],
+            world: vec![world::WorldLink::default(); structure.links()],
             values: Vec::new(),
         }
     }

@@ -3,6 +3,7 @@
 use super::law::Pull;
 use super::segment::{Order, Segments};
 use super::{At, Mechanics, Terms, Workspace};
+use crate::expression::{StrandQuantity, StrandState};
 use crate::mechanism::Law;
 use crate::structure::Structure;
 use handc_core::scalar::Scalar;
@@ -78,6 +79,7 @@ impl<S: Scalar> Mechanics<'_, S> {
             }
             self.add_others(workspace, index, &pull, h, terms);
         }
+        self.add_muscles(workspace, at, terms);
     }
 
     /// Rate ẋ = x_q·v of the strand just evaluated.
@@ -154,15 +156,22 @@ impl<S: Scalar> Mechanics<'_, S> {
         terms: &mut Terms<S>,
     ) {
         let path = &self.structure.strands[index];
-        let by = [(&pull.dq, h.scale(-0.25)), (&pull.dv, S::constant(-0.5))];
-        for (slopes, weight) in by {
-            for &(column, slope) in slopes {
-                let length_dq = &workspace.strand.length_dq[path.span.clone()];
-                for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
-                    self.add_entry(row, column, weight * slope * dq, terms);
-                }
+        let length_dq = &workspace.strand.length_dq[path.span.clone()];
+        for (column, slope) in self.others(pull, h) {
+            for (&row, &dq) in path.coordinates.iter().zip(length_dq) {
+                self.add_entry(row, column, -(slope * dq), terms);
             }
         }
+    }
+
+    /// What a tension changes with other coordinates and rates, as the Newton matrix weighs it.
+    pub(super) fn others(&self, pull: &Pull<S>, h: S) -> Vec<(usize, S)> {
+        let quarter = h.scale(0.25);
+        let by_q = pull.dq.iter().map(|&(column, slope)| (column, quarter * slope));
+        let by_v = pull.dv.iter().map(|&(column, slope)| {
+            (column, slope.scale(0.5 * self.structure.rate_weight(column)))
+        });
+        by_q.chain(by_v).collect()
     }
 
     /// Adds one entry before even and odd parts are unfolded.
@@ -267,10 +276,14 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// What all strands do at a state: rate ẋ (m/s), tension (N), whether it pulls (1, 0 or between)
-    /// and the power that damping and
-    /// friction take (W), four numbers for each.
-    pub fn strand_states(&self, workspace: &mut Workspace<S>, at: &At<S>, states: &mut [[S; 4]]) {
+    /// What all strands do at a state, in the order of [`StrandQuantity`]; what is of muscles is zero
+    /// for others.
+    pub fn strand_states(
+        &self,
+        workspace: &mut Workspace<S>,
+        at: &At<S>,
+        states: &mut [StrandState<S>],
+    ) {
         self.prepare(workspace, at.q);
         for (index, state) in states.iter_mut().enumerate() {
             self.strand_length(workspace, at.q, index, Order::First);
@@ -281,7 +294,9 @@ impl<S: Scalar> Mechanics<'_, S> {
             if self.numbers.strands[index].friction.is_some() {
                 dissipation += pull.tension * self.sliding_loss(at, index);
             }
-            *state = [rate, pull.tension, pull.taut, dissipation];
+            *state = [S::zero(); StrandQuantity::COUNT];
+            state[..4].copy_from_slice(&[rate, pull.tension, pull.taut, dissipation]);
+            self.see_muscle(at, index, state);
         }
     }
 }

@@ -41,7 +41,7 @@ impl Structure {
 
     pub(super) fn find_blocks(&mut self, mechanism: &Mechanism) {
         let mut groups: Vec<Vec<usize>> = Vec::new();
-        for link in 0..self.count {
+        for link in 0..self.links() {
             if self.has_mass_below[link] {
                 groups.push(self.chain_coordinates(Some(link as u32)));
             }
@@ -50,6 +50,7 @@ impl Structure {
             let mut group = match &strand.law {
                 Law::Prescribed => continue,
                 Law::Tension(function) => self.function_coordinates(function),
+                Law::Muscle(muscle) => vec![muscle.fibre as usize, muscle.activation as usize],
                 Law::Linear { .. } | Law::Energy(_) => Vec::new(),
             };
             group.extend(&path.coordinates);

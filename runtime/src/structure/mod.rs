@@ -11,6 +11,7 @@ mod statics;
 use crate::mechanism::{ConstraintKind, Mechanism, Motion};
 use crate::resolved::constraint_points;
 use crate::run::find_runs;
+use handc_core::internal::RATE;
 use handc_core::layout::Block;
 pub use paths::{PathStep, SegmentPath, StrandPath, segment_path};
 
@@ -60,14 +61,14 @@ pub struct Run {
 /// The shape of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
-    /// Coordinates and links, as many of one as of the other.
+    /// Coordinates; there are as many links and those of muscles.
     pub count: usize,
     /// Parent of each link.
     pub parents: Vec<Option<u32>>,
     /// Coordinate of each link.
     pub coordinate_of: Vec<usize>,
-    /// Link of each coordinate.
-    pub link_of: Vec<u32>,
+    /// Link of each coordinate; `None` for those of muscles.
+    pub link_of: Vec<Option<u32>>,
     /// Whether the link or one below it has matter.
     pub has_mass_below: Vec<bool>,
     /// Planar runs.
@@ -85,6 +86,9 @@ pub struct Structure {
     /// Coordinates in static equilibrium: of massless nodes and of trees whose inertia is left out,
     /// where nothing depends on their rates and no constraint holds them.
     pub is_static: Vec<bool>,
+    /// Internal coordinates: fibre lengths and activations of muscles
+    /// ([`handc_core::internal`]).
+    pub is_internal: Vec<bool>,
     /// Blocks of the step equations.
     pub blocks: Vec<Block>,
     /// Block of each coordinate and its position there; `None` for kinematic ones.
@@ -98,12 +102,12 @@ pub struct Structure {
 impl Structure {
     /// Analyses a mechanism.
     pub fn new(mechanism: &Mechanism) -> Self {
-        let count = mechanism.links.len();
+        let count = mechanism.coordinates.len();
         let parents: Vec<_> = mechanism.links.iter().map(|l| l.parent).collect();
         let coordinate_of: Vec<_> = mechanism.links.iter().map(|l| l.coordinate as usize).collect();
-        let mut link_of = vec![0; count];
+        let mut link_of = vec![None; count];
         for (link, &coordinate) in coordinate_of.iter().enumerate() {
-            link_of[coordinate] = link as u32;
+            link_of[coordinate] = Some(link as u32);
         }
         let mut first_row = vec![0];
         for constraint in &mechanism.constraints {
@@ -118,9 +122,10 @@ impl Structure {
             runs: Vec::new(),
             trees: Vec::new(),
             strands: Vec::new(),
-            world_links: vec![false; count],
+            world_links: vec![false; mechanism.links.len()],
             prescribed: Vec::new(),
             is_static: Vec::new(),
+            is_internal: vec![false; count],
             blocks: Vec::new(),
             slots: vec![None; count],
             row_slots: vec![None; first_row[mechanism.constraints.len()]],
@@ -138,6 +143,7 @@ impl Structure {
         }
         structure.find_prescribed(mechanism);
         structure.find_statics(mechanism);
+        structure.find_internals(mechanism);
         structure.mark_world_links(mechanism);
         structure.find_blocks(mechanism);
         structure.find_strand_slots();
@@ -166,6 +172,17 @@ impl Structure {
             run.outer = outer.flat_map(|b| links.iter().rev().map(|a| pair(a, b))).collect();
         }
         self.runs = runs;
+    }
+
+    /// How many links there are.
+    pub fn links(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// Factor of the step's own rate δ/h in the rate of a coordinate, by half of which the Newton
+    /// matrix weighs what depends on it.
+    pub fn rate_weight(&self, coordinate: usize) -> f64 {
+        if self.is_internal[coordinate] { RATE } else { 1.0 }
     }
 
     /// Links from `link` to the root, `link` first; empty for the world.
@@ -220,14 +237,14 @@ impl Structure {
 
     fn find_trees(&mut self, mechanism: &Mechanism) {
         let roots: Vec<u32> =
-            (0..self.count as u32).filter(|&l| self.parents[l as usize].is_none()).collect();
+            (0..self.links() as u32).filter(|&l| self.parents[l as usize].is_none()).collect();
         for root in roots {
             if !self.has_mass_below[root as usize] {
                 continue;
             }
             let in_tree = |link: u32| self.chain(Some(link)).contains(&root);
             let in_run = |link: u32| self.runs.iter().any(|run| run.links.contains(&link));
-            let links: Vec<u32> = (0..self.count as u32)
+            let links: Vec<u32> = (0..self.links() as u32)
                 .filter(|&l| self.has_mass_below[l as usize] && in_tree(l) && !in_run(l))
                 .collect();
             let runs = (0..self.runs.len()).filter(|&run| in_tree(self.runs[run].links[0]));
@@ -245,7 +262,7 @@ impl Structure {
     /// the run.
     fn hub(&self, mechanism: &Mechanism, root: u32) -> (Option<u32>, Option<usize>) {
         let children = |link: u32| -> Vec<u32> {
-            (0..self.count as u32)
+            (0..self.links() as u32)
                 .filter(|&l| {
                     self.parents[l as usize] == Some(link) && self.has_mass_below[l as usize]
                 })

@@ -1,8 +1,8 @@
-//! Coordinates in static equilibrium.
+//! Coordinates that move no mass: in static equilibrium, or internal.
 
 use super::{Structure, Tree};
 use crate::expression::{Function, Variable};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, Role};
 
 impl Structure {
     /// Dynamic coordinates of a tree.
@@ -39,6 +39,12 @@ impl Structure {
         found
     }
 
+    /// Coordinates that move matter whose inertia is left out.
+    pub fn without_inertia(&self, mechanism: &Mechanism) -> Vec<usize> {
+        let trees = self.trees.iter().filter(|tree| tree.is_static);
+        trees.flat_map(|tree| self.tree_coordinates(mechanism, tree)).collect()
+    }
+
     /// Coordinates of nodes that carry no mass and of trees whose inertia is left out, that have no
     /// damping, are held by no constraint and of whose rates no force depends: nothing of them is
     /// left in a step but that forces balance.
@@ -57,8 +63,8 @@ impl Structure {
             .iter()
             .enumerate()
             .map(|(c, coordinate)| {
-                let has_mass = self.has_mass_below[self.link_of[c] as usize];
-                let weightless = is_still[c] || (coordinate.is_node && !has_mass);
+                let has_mass = self.link_of[c].is_some_and(|l| self.has_mass_below[l as usize]);
+                let weightless = is_still[c] || (coordinate.role == Role::Node && !has_mass);
                 weightless && coordinate.damping.is_zero()
             })
             .collect();
@@ -76,6 +82,15 @@ impl Structure {
         moving.extend(functions.chain(tensions(mechanism)).flat_map(rates));
         moving.into_iter().for_each(|c| is_static[c] = false);
         self.is_static = is_static;
+    }
+
+    /// Coordinates of the muscles.
+    pub(super) fn find_internals(&mut self, mechanism: &Mechanism) {
+        for muscle in mechanism.strands.iter().filter_map(|strand| strand.muscle()) {
+            for c in [muscle.fibre, muscle.activation] {
+                self.is_internal[c as usize] = true;
+            }
+        }
     }
 }
 

@@ -4,11 +4,16 @@
 //! Shares with the kernels the poses of links and nothing else: no screws, no lumped bodies, no
 //! hubs, no segments. Slow and plain.
 
+#[path = "muscle.rs"]
+mod muscle;
+
 use handc_core::scalar::{Comparison, Scalar};
 use handc_runtime::dual::Dual;
 use handc_runtime::expression::{Function, Own, Variable};
 use handc_runtime::mechanics::{At, Mechanics, Workspace};
-use handc_runtime::mechanism::{Law, Mechanism, Number, Point, Strand, SurfaceForm, Wrap};
+use handc_runtime::mechanism::{
+    Law, Mechanism, Muscle, Number, Point, Role, Strand, SurfaceForm, Wrap,
+};
 use handc_runtime::resolved::Resolved;
 use handc_runtime::structure::Structure;
 use handc_runtime::vector::{Transform, Vec3};
@@ -207,8 +212,8 @@ impl<'a> Oracle<'a> {
         &self,
         numbers: &Resolved<S>,
         index: usize,
-        length: S,
-        rest: S,
+        q: &[S],
+        (length, rest): (S, S),
     ) -> S {
         let strand = &self.mechanism.strands[index];
         let (stretch, seen) = match strand.slack {
@@ -231,6 +236,7 @@ impl<'a> Oracle<'a> {
             Law::Energy(program) => program.value(read),
             Law::Tension(function) if is_constant(function) => seen * function.program.value(read),
             Law::Tension(_) | Law::Prescribed => S::zero(),
+            Law::Muscle(muscle) => Pieces::new(muscle, numbers).energy(length, q),
         }
     }
 
@@ -285,7 +291,7 @@ impl<'a> Oracle<'a> {
             energy -= numbers.number(body.mass) * gravity.dot(center);
         }
         for (i, length) in self.lengths(q).into_iter().enumerate() {
-            energy += self.strand_energy(&numbers, i, length, rest[i]);
+            energy += self.strand_energy(&numbers, i, q, (length, rest[i]));
         }
         for (c, &q) in self.mechanism.coordinates.iter().zip(q) {
             energy += spring(numbers.number(c.stiffness), q - numbers.number(c.rest));
@@ -331,6 +337,11 @@ impl<'a> Oracle<'a> {
             force[torque.coordinate as usize] += value(&torque.value);
         }
         self.add_pulls(at, &numbers, &mut force);
+        for muscle in self.mechanism.strands.iter().filter_map(|strand| strand.muscle()) {
+            let [fibre, rate] = Pieces::new(muscle, &numbers).forces(at);
+            force[muscle.fibre as usize] += fibre;
+            force[muscle.activation as usize] += rate;
+        }
         let poses = self.poses(at.q);
         for (j, sum) in force.iter_mut().enumerate() {
             let turning = self.poses(&seeded(at.q, j));
@@ -382,7 +393,8 @@ impl<'a> Oracle<'a> {
                 // All of the tension goes another way than the potential's gradient says.
                 let numbers: Resolved<Dual<f64>> = self.numbers();
                 let (length, rest) = (Dual::variable(lengths[i]), Dual::fixed(at.rest[i]));
-                let whole = tension + self.strand_energy(&numbers, i, length, rest).slope;
+                let whole =
+                    tension + self.strand_energy(&numbers, i, &fixed(at.q), (length, rest)).slope;
                 let gradient = self.sliding(i, at.q, at.v, &self.numbers());
                 for ((sum, arms), g) in force.iter_mut().zip(&arms).zip(gradient) {
                     *sum -= whole * (g - arms[i]);
@@ -402,6 +414,49 @@ impl<'a> Oracle<'a> {
                 (p, t_dq - v_dq + forces[j])
             })
             .unzip()
+    }
+}
+
+/// A muscle by its plain formulas.
+struct Pieces<'a, S> {
+    muscle: &'a Muscle,
+    number: [S; 11],
+}
+
+impl<'a, S: Scalar> Pieces<'a, S> {
+    fn new(muscle: &'a Muscle, numbers: &Resolved<S>) -> Self {
+        let number = muscle.clone().numbers_mut().map(|n| numbers.number(*n));
+        Pieces { muscle, number }
+    }
+
+    /// Length of the fibres in parts of the optimum, and the cosine of their angle.
+    fn shape(&self, s: S) -> [S; 2] {
+        let width = self.number[1] * self.number[3].sin_cos().0;
+        let length = (s * s + width * width).sqrt();
+        [length / self.number[1], s / length]
+    }
+
+    fn energy(&self, length: S, q: &[S]) -> S {
+        let [force, optimal, slack, _, _, strain, passive, ..] = self.number;
+        let s = q[self.muscle.fibre as usize];
+        let tendon = muscle::tendon((length - s - slack) / (slack * strain))[1];
+        let fibres = muscle::passive(self.shape(s)[0], passive)[1];
+        force * (slack * strain * tendon + optimal * fibres)
+    }
+
+    /// Forces without a potential: of active and damped fibres, and of the activation.
+    fn forces(&self, at: &At<S>) -> [S; 2] {
+        let [force, optimal, _, _, fastest, _, _, eccentric, damping, up, down] = self.number;
+        let (fibre, a) = (self.muscle.fibre as usize, self.muscle.activation as usize);
+        let [length, cosine] = self.shape(at.q[fibre]);
+        let rate = at.v[fibre] * cosine / (optimal * fastest);
+        let stretch = length - S::one();
+        let active = at.q[a] * (stretch * stretch).scale(-1.0 / 0.45).exp();
+        let scaled = rate / (S::constant(0.25) + at.q[a].scale(0.75));
+        let pull = active * muscle::velocity(scaled, eccentric) + damping * rate;
+        let excitation = at.inputs[self.muscle.excitation as usize];
+        let change = muscle::activation(excitation, at.q[a], up, down);
+        [-(force * pull * cosine), force * optimal * up * (change - at.v[a])]
     }
 }
 
@@ -455,7 +510,11 @@ impl Place {
             .mechanism
             .coordinates
             .iter()
-            .map(|c| if c.is_length { 0.03 } else { 0.4 })
+            .map(|c| match c.role {
+                Role::Fibre => 0.02,
+                _ if c.is_length => 0.03,
+                _ => 0.4,
+            })
             .collect();
         let start = |n: Number| numbers.number(n);
         let coordinates = oracle.mechanism.coordinates.iter().zip(&spread);

@@ -177,7 +177,7 @@ impl<'a> Walker<'a> {
 
     /// What massless nodes add to a motion as they stay balanced.
     fn follow_nodes(&mut self, q: &[f64], motion: Vec<f64>) -> Vec<f64> {
-        let statics = self.posture.model.layout().statics(&self.posture.driven);
+        let statics = self.posture.model.layout().massless(&self.posture.driven);
         if statics.is_empty() {
             return motion;
         }

@@ -80,7 +80,7 @@ impl Run {
         let q = simulation.coordinates().to_vec();
         let mut lengths = vec![0.0; self.lengths.len()];
         simulation.model.strand_lengths(&q, &mut lengths);
-        let mut states = vec![[0.0; 4]; self.lengths.len()];
+        let mut states = vec![[0.0; StrandQuantity::COUNT]; self.lengths.len()];
         simulation.look(|model, at| model.strand_states_at(at, &mut states));
         let tensions: Vec<f64> =
             states.iter().map(|state| state[StrandQuantity::Tension as usize]).collect();
@@ -104,9 +104,9 @@ fn push(columns: &mut [Vec<f64>], row: &[f64]) {
 /// Everything that is drawn over time, from top to bottom.
 pub(super) fn quantities(run: &Run, model: &hir::Model) -> Vec<Quantity> {
     let layout = run.simulation.layout();
-    let of_kind = |kind: CoordinateKind| {
+    let of_kind = |kind: CoordinateKind, is_internal: bool| {
         let coordinates = layout.coordinates.iter().zip(&run.q);
-        let chosen = coordinates.filter(|(c, _)| c.kind == kind);
+        let chosen = coordinates.filter(|(c, _)| c.kind == kind && c.is_internal == is_internal);
         chosen.map(|(c, values)| curve(&c.name, values)).collect::<Vec<_>>()
     };
     let strands = |columns: &[Vec<f64>]| {
@@ -118,8 +118,14 @@ pub(super) fn quantities(run: &Run, model: &hir::Model) -> Vec<Quantity> {
         .map(|length| length.iter().map(|x| x - length.first().unwrap_or(x)).collect())
         .collect();
     let mut quantities = vec![
-        Quantity::new("joint angle", Unit::Angle, of_kind(CoordinateKind::Angle)),
-        Quantity::new("displacement", Unit::Prefixed("m"), of_kind(CoordinateKind::Length)),
+        Quantity::new("joint angle", Unit::Angle, of_kind(CoordinateKind::Angle, false)),
+        Quantity::new("displacement", Unit::Prefixed("m"), of_kind(CoordinateKind::Length, false)),
+        Quantity::new(
+            "activation",
+            Unit::Plain(String::new()),
+            of_kind(CoordinateKind::Ratio, true),
+        ),
+        Quantity::new("fibre length", Unit::Prefixed("m"), of_kind(CoordinateKind::Length, true)),
         Quantity::new("change of strand length", Unit::Prefixed("m"), strands(&from_start)),
         Quantity::new("strand tension", Unit::Prefixed("N"), strands(&run.tensions)),
     ];

@@ -51,7 +51,7 @@ pub(super) fn hold(
     let mut whole = whole;
     let pulls = pulled.strands.iter().zip(&hold.tensions);
     for (&strand, &tension) in pulls.clone() {
-        if matches!(whole.strands[strand].law, Law::Tension(_)) {
+        if matches!(whole.strands[strand].law, Law::Tension(_) | Law::Muscle(_)) {
             edit::commanded(&mut whole, strand, tension);
         }
     }
@@ -62,7 +62,7 @@ pub(super) fn hold(
     let mechanism = posture.model.mechanism().clone();
     for (&strand, &wanted) in pulls {
         let natural = match mechanism.strands[strand].law {
-            Law::Tension(_) => continue,
+            Law::Tension(_) | Law::Muscle(_) => continue,
             Law::Prescribed => Some(lengths[strand]),
             Law::Linear { .. } | Law::Energy(_) => {
                 let mut rest = posture.rest.clone();

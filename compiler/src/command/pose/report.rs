@@ -2,6 +2,7 @@
 
 use super::answer::Answer;
 use crate::command::posture::Posture;
+use handc_core::layout::CoordinateKind;
 use handc_core::model::Model as _;
 use handc_runtime::analysis::tangent::Stability;
 use handc_runtime::mechanism::Law;
@@ -62,12 +63,12 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     if is_zero { text.trim_start_matches('-').to_string() } else { text }
 }
 
-/// An angle in degrees or a length in millimetres, with its unit.
+/// An angle in degrees, a length in millimetres, with its unit, or a plain number.
 pub(super) fn value(posture: &Posture, coordinate: usize, value: f64) -> String {
-    if posture.is_length(coordinate) {
-        format!("{} mm", fixed(value * 1e3, 3))
-    } else {
-        format!("{} deg", fixed(value.to_degrees(), 3))
+    match posture.kind(coordinate) {
+        CoordinateKind::Length => format!("{} mm", fixed(value * 1e3, 3)),
+        CoordinateKind::Angle => format!("{} deg", fixed(value.to_degrees(), 3)),
+        CoordinateKind::Ratio => fixed(value, 4),
     }
 }
 
@@ -109,6 +110,7 @@ pub(super) fn strands(posture: &Posture, answer: &Answer) -> String {
             format!("{:.3} mm", answer.lengths[s] * 1e3),
             match posture.model.mechanism().strands[s].law {
                 Law::Tension(_) => "commanded".to_string(),
+                Law::Muscle(_) => "muscle".to_string(),
                 _ => format!("{:.3} mm", answer.rest[s] * 1e3),
             },
             format!("{} N", fixed(answer.tensions[s], 4)),

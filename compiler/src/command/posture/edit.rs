@@ -40,6 +40,20 @@ pub(crate) fn commanded(mechanism: &mut Mechanism, strand: usize, tension: f64) 
 fn set_law(mechanism: &mut Mechanism, strand: usize, law: Law) {
     let prescribed = ConstraintKind::Length(strand as u32);
     mechanism.constraints.retain(|constraint| constraint.kind != prescribed);
+    if let Law::Muscle(muscle) = &mechanism.strands[strand].law {
+        // Fibres and activation have no part in it any more: they stay.
+        for c in [muscle.fibre, muscle.activation] {
+            let coordinate = &mut mechanism.coordinates[c as usize];
+            let stays = Program {
+                operations: vec![Operation::Constant(match coordinate.start {
+                    Number::Constant(value) => value,
+                    Number::Value(_) => 0.0,
+                })],
+                outputs: vec![0],
+            };
+            coordinate.drive = Some(stays);
+        }
+    }
     let changed = &mut mechanism.strands[strand];
     changed.law = law;
     changed.damping = Number::ZERO;

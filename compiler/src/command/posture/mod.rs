@@ -239,10 +239,10 @@ impl Posture {
         self.settle_nodes()
     }
 
-    /// Moves massless nodes to where they balance, all else as it is.
+    /// Moves massless nodes and muscles to where they balance, all else as it is.
     pub(crate) fn settle_nodes(&mut self) -> Result<(), RunError> {
         let mut driven = vec![true; self.q.len()];
-        let statics = self.model.layout().statics(&self.driven);
+        let statics = self.model.layout().massless(&self.driven);
         if statics.is_empty() {
             return Ok(());
         }
@@ -258,7 +258,7 @@ impl Posture {
     /// zero here.
     pub(crate) fn tensions(&mut self, q: &[f64], rest: &[f64]) -> Vec<f64> {
         let v = vec![0.0; q.len()];
-        let mut states = vec![[0.0; 4]; rest.len()];
+        let mut states = vec![[0.0; StrandQuantity::COUNT]; rest.len()];
         let at = Midpoint { q, v: &v, t: 0.0, rest, inputs: &self.inputs };
         self.model.strand_states(&at, &mut states);
         states.iter().map(|state| state[StrandQuantity::Tension as usize]).collect()
@@ -290,8 +290,13 @@ impl Posture {
         Point { link: frame.link, position: position.0.map(edit::number) }
     }
 
-    /// Names of the coordinates that are lengths are told in mm, the others in degrees.
+    /// Coordinates that are lengths are told in mm, angles in degrees.
     pub(crate) fn is_length(&self, coordinate: usize) -> bool {
-        self.model.layout().coordinates[coordinate].kind == CoordinateKind::Length
+        self.kind(coordinate) == CoordinateKind::Length
+    }
+
+    /// What a coordinate measures.
+    pub(crate) fn kind(&self, coordinate: usize) -> CoordinateKind {
+        self.model.layout().coordinates[coordinate].kind
     }
 }

@@ -4,7 +4,7 @@
 use super::value;
 use handc_core::simulation::find_name;
 use handc_dsl::dimension::Dimension;
-use handc_runtime::mechanism::Mechanism;
+use handc_runtime::mechanism::{Mechanism, Role};
 
 /// Reads options and collects what is wrong with them.
 #[derive(Debug)]
@@ -43,7 +43,12 @@ impl<'a> Reader<'a> {
     /// A coordinate by name.
     pub(crate) fn coordinate(&mut self, name: &str) -> Option<usize> {
         let known = self.mechanism.coordinates.iter().map(|c| c.name.as_str()).collect();
-        self.find("coordinate", name, known)
+        let found = self.find("coordinate", name, known)?;
+        if matches!(self.mechanism.coordinates[found].role, Role::Fibre | Role::Activation) {
+            self.complain(format!("`{name}` is of a muscle: it follows from its excitation"));
+            return None;
+        }
+        Some(found)
     }
 
     /// A frame by name.

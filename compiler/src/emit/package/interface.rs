@@ -161,6 +161,16 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             &[("q", input()), ("clearances", output())],
         )
     });
+    let has_numbers = functions.iter().any(|placed| placed.emitted.name == "muscle_numbers");
+    let muscle_numbers = has_numbers.then(|| {
+        make(
+            "muscle_numbers",
+            "muscle_numbers",
+            &|m| m == Module::Strands,
+            vec![write("numbers", "numbers")],
+            &[("numbers", output())],
+        )
+    });
     let potential = potential(names, functions);
     let scenarios = scenarios(names, functions);
     let model = &names.model;
@@ -181,6 +191,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             #(#methods)*
             #commands
             #clearances
+            #muscle_numbers
             #potential
             #scenarios
         }

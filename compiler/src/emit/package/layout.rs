@@ -5,7 +5,7 @@ use super::names::{Indices, Names};
 use crate::emit::function::doc_line;
 use crate::emit::literal::{integer, number};
 use crate::emit::print::identifier;
-use handc_core::layout::{Block, CoordinateKind, Layout, Quantity, ScenarioLayout};
+use handc_core::layout::{Block, CoordinateKind, Layout, Muscle, Quantity, ScenarioLayout};
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -31,6 +31,7 @@ pub(super) fn module(layout: &Layout, names: &Names) -> TokenStream {
         "CoordinateKind",
         "Follow",
         "Layout",
+        "Muscle",
         "Quantity",
         "ScenarioLayout",
         "Strand",
@@ -54,6 +55,7 @@ fn size_doc(name: &str) -> &'static str {
         "MATRIX" => "Numbers in a packed Newton or mass matrix.",
         "JACOBIAN" => "Numbers in a packed constraint Jacobian.",
         "ARMS" => "Numbers in a matrix of moment arms.",
+        "NUMBERS" => "Numbers of muscles that must be positive.",
         "CLEARANCES" => "Numbers that tell how passable surfaces are.",
         "POSES" => "Numbers in the poses of all frames.",
         _ => "Numbers that follow from parameters.",
@@ -117,21 +119,37 @@ fn scenario(scenario: &ScenarioLayout) -> TokenStream {
     })
 }
 
+fn muscle(muscle: Option<&Muscle>) -> TokenStream {
+    let Some(muscle) = muscle else { return quote!(None) };
+    let [fibre, activation, excitation] =
+        [muscle.fibre, muscle.activation, muscle.excitation].map(integer);
+    let has_start = muscle.has_start;
+    quote!(Some(Muscle {
+        fibre: #fibre,
+        activation: #activation,
+        excitation: #excitation,
+        has_start: #has_start,
+    }))
+}
+
 fn data(layout: &Layout) -> TokenStream {
     let name = &layout.name;
     let params = layout.params.iter().map(quantity);
     let inputs = layout.inputs.iter().map(quantity);
     let coordinates = layout.coordinates.iter().map(|c| {
-        let (name, kinematic, is_static) = (&c.name, c.kinematic, c.is_static);
+        let (name, kinematic) = (&c.name, c.kinematic);
+        let (is_static, is_internal) = (c.is_static, c.is_internal);
         let kind = match c.kind {
             CoordinateKind::Angle => quote!(Angle),
             CoordinateKind::Length => quote!(Length),
+            CoordinateKind::Ratio => quote!(Ratio),
         };
         quote!(Coordinate {
             name: #name.into(),
             kind: CoordinateKind::#kind,
             kinematic: #kinematic,
             is_static: #is_static,
+            is_internal: #is_internal,
         })
     });
     let strands = layout.strands.iter().map(|s| {
@@ -143,11 +161,13 @@ fn data(layout: &Layout) -> TokenStream {
             }
             None => quote!(None),
         };
+        let muscle = muscle(s.muscle.as_ref());
         quote!(Strand {
             name: #name.into(),
             has_rest: #has_rest,
             is_prescribed: #is_prescribed,
             actuator: #actuator,
+            muscle: #muscle,
         })
     });
     let wraps = layout.wraps.iter().map(|wrap| {

@@ -7,6 +7,7 @@ use crate::emit::print::identifier;
 use crate::graph::Leaf;
 use crate::stage::Staged;
 use handc_core::layout::Layout;
+use handc_core::muscle::NUMBERS;
 use handc_core::passage::CLEARANCES;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -198,6 +199,10 @@ impl Names {
         if !layout.wraps.is_empty() {
             sizes.push(("CLEARANCES", CLEARANCES * layout.wraps.len()));
         }
+        let muscles = layout.muscles().count();
+        if muscles > 0 {
+            sizes.push(("NUMBERS", NUMBERS.len() * muscles));
+        }
         Names { sizes, ..names }
     }
 
@@ -234,6 +239,7 @@ impl Names {
             (None, "arms") => "ARMS",
             (None, "poses") => "POSES",
             (None, "clearances") => "CLEARANCES",
+            (None, "numbers") => "NUMBERS",
             (None, _) => "VALUES",
         }
     }

@@ -113,6 +113,7 @@ pub(super) fn table(
             matrix: #matrix,
         })
     });
+    let internal = internal(shape, layout);
     let rows = shape.constants.iter().map(|list| {
         let entries = list.iter().map(|&constant| simple(constant, names));
         quote!([#(#entries),*])
@@ -157,6 +158,7 @@ pub(super) fn table(
 
         impl Shape<#n, #m, #q, #s, #u> for Equations {
             const CONSTANTS: usize = #constants;
+            #internal
 
             #evaluate
             #with_matrix
@@ -164,6 +166,14 @@ pub(super) fn table(
             #lengths
         }
     }
+}
+
+/// Places of internal coordinates, where there are any.
+fn internal(shape: &Shape, layout: &Layout) -> Option<TokenStream> {
+    let own = shape.places[0].coordinates[..shape.unknowns].iter().enumerate();
+    let places = own.filter(|&(_, &c)| layout.coordinates[c].is_internal);
+    let places: Vec<_> = places.map(|(place, _)| integer(place)).collect();
+    (!places.is_empty()).then(|| quote!(const INTERNAL: &'static [usize] = &[#(#places),*];))
 }
 
 /// A method that calls the function of its name.

@@ -19,6 +19,8 @@ pub(super) struct Local<'a> {
     /// Sizes, places of results and hashes of their expressions.
     pub(super) skeleton: Vec<u64>,
     matrix_offset: usize,
+    /// Internal coordinates of the whole model.
+    is_internal: &'a [bool],
 }
 
 /// A node as blocks are compared by it.
@@ -56,7 +58,7 @@ impl<'a> Local<'a> {
         }
     }
 
-    pub(super) fn new(block: usize, tasks: &'a [Task], structure: &Structure) -> Self {
+    pub(super) fn new(block: usize, tasks: &'a [Task], structure: &'a Structure) -> Self {
         let tasks: Vec<&Task> = tasks.iter().filter(|t| t.module == Module::Block(block)).collect();
         let roots: Vec<Sym> =
             tasks.iter().flat_map(|task| task.outputs.iter().map(|output| output.value)).collect();
@@ -97,6 +99,7 @@ impl<'a> Local<'a> {
             fixed: HashSet::new(),
             skeleton: Vec::new(),
             matrix_offset: of.matrix_offset,
+            is_internal: &structure.is_internal,
         };
         for symbol in nodes {
             let is_fixed = match node(symbol) {
@@ -174,6 +177,9 @@ impl<'a> Local<'a> {
             self.place.strands.len() as u64,
             self.place.inputs.len() as u64,
         ];
+        // Which coordinates are internal is part of a shape.
+        let own = self.place.coordinates[..self.unknowns].iter();
+        skeleton.extend(own.map(|&c| u64::from(self.is_internal[c])));
         for task in &self.tasks {
             for output in &task.outputs {
                 let mut hasher = DefaultHasher::new();

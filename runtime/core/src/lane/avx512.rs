@@ -56,6 +56,13 @@ macro_rules! masked {
         $as_integers:ident $as_numbers:ident $splat_integer:ident
         $test:ident $and:ident $add:ident $shift:ident) => {
         #[inline(always)]
+        fn exponent(shifted: $vector, x: $vector) -> $vector {
+            unsafe {
+                let power = $shift::<52>($as_integers(shifted.0));
+                $vector($as_numbers($add($as_integers(x.0), power)))
+            }
+        }
+        #[inline(always)]
         fn abs(self) -> $vector {
             unsafe { $vector($abs(self.0)) }
         }

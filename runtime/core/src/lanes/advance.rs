@@ -32,8 +32,8 @@ impl Work for Advance<'_> {
     }
 }
 
-/// q1 = q0 + Δq and p1 = p0 + h·f; a coordinate in static equilibrium is left at the middle of the
-/// step, where its equation was solved, and carries no momentum.
+/// q1 = q0 + Δq and p1 = p0 + h·f; a coordinate in static equilibrium or internal is left at the
+/// middle of the step, where its equation was solved, and carries no momentum.
 #[inline(always)]
 fn advance_lanes<L: Lane>(vector: &mut Vector, lane: usize, known: usize) {
     let (width, count) = (vector.width, vector.unknowns * vector.width);
@@ -44,7 +44,8 @@ fn advance_lanes<L: Lane>(vector: &mut Vector, lane: usize, known: usize) {
         let (increment, force) = (L::load(&vector.delta[k..]), L::load(&vector.force[k..]));
         let share = L::load(&vector.share[k..]);
         share.mul_add(increment, L::load(&vector.q[k..])).store(&mut vector.q[k..]);
-        (share * increment * per_h).store(&mut vector.v[k..]);
+        let rate = L::load(&vector.rate[k..]) * per_h;
+        rate.mul_add(increment, L::load(&vector.past[k..])).store(&mut vector.v[k..]);
         let is_moving = share + share - L::splat(1.0);
         let p = h.mul_add(force, L::load(&vector.p[k..]));
         (is_moving * p).store(&mut vector.p[k..]);

@@ -3,6 +3,7 @@
 use super::course::Follows;
 use super::vector::{Counts, Fed, Vector};
 use super::{Kinds, LaneVisitor};
+use crate::internal::RATE;
 use crate::shape::{Place, Shape};
 
 /// Makes the vectors of all shapes.
@@ -90,8 +91,16 @@ impl LaneVisitor for Arrange<'_> {
             for &c in &vector.coordinates[..N * width] {
                 vector.size.push(self.kinds.size[c]);
                 vector.per_size.push(1.0 / self.kinds.size[c]);
-                vector.share.push(if self.kinds.is_static[c] { 0.5 } else { 1.0 });
+                let (is_static, is_internal) = (self.kinds.is_static[c], self.kinds.is_internal[c]);
+                vector.share.push(if is_static || is_internal { 0.5 } else { 1.0 });
+                vector.rate.push(match (is_static, is_internal) {
+                    (true, _) => 0.5,
+                    (_, true) => RATE,
+                    _ => 1.0,
+                });
+                vector.balances.push(f64::from(u8::from(is_static)));
             }
+            vector.has_balances = vector.balances.contains(&1.0);
             vector.courses = self.follows.courses(&vector);
             self.vectors.push(vector);
             first += used;

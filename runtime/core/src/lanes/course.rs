@@ -28,9 +28,14 @@ impl Follows {
         !self.stays.get(strand).is_some_and(|&stays| stays) && !self.is_follower(strand)
     }
 
+    /// Strands that follow motions.
+    pub(super) fn followers(&self) -> impl Iterator<Item = usize> {
+        self.list.iter().flat_map(|(_, strands)| strands.iter().copied())
+    }
+
     /// Whether a strand follows a motion.
     pub(super) fn is_follower(&self, strand: usize) -> bool {
-        self.list.iter().any(|(_, strands)| strands.contains(&strand))
+        self.followers().any(|follower| follower == strand)
     }
 
     /// One course for each motion that any of a vector's strands follows.

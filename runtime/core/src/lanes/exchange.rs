@@ -29,12 +29,23 @@ impl Around<'_> {
         Around { t: 0.0, h: 1.0, tolerance: 0.0, rest: &[], inputs: &[], driven_q: &[] };
 }
 
+/// A run as it is taken up.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TakenUp<'a> {
+    /// Its state.
+    pub(crate) state: &'a State,
+    /// How far guesses of each degree have missed.
+    pub(crate) missed: &'a Missed,
+    /// The largest sensitivity so far of each equation of static equilibrium.
+    pub(crate) stiffest: &'a [f64],
+}
+
 impl Lanes {
-    /// Takes up runs at their states; `missed` is how far guesses of each degree have missed in them.
-    pub(crate) fn take_up(&mut self, states: &[&State], missed: &[Missed], around: &[Around]) {
-        self.known = states.iter().map(|state| state.step).min().unwrap_or(0);
+    /// Takes up runs, which have all taken the same number of steps.
+    pub(crate) fn take_up(&mut self, runs: &[TakenUp], around: &[Around]) {
+        self.known = runs.first().map_or(0, |run| run.state.step);
         for vector in &mut self.vectors {
-            vector.take_up(states, missed);
+            vector.take_up(runs);
             for (k, strand) in vector.strands.iter().enumerate() {
                 vector.rest[k] = around[vector.runs[k % vector.width]].rest[*strand];
             }
@@ -58,12 +69,24 @@ impl Lanes {
         }
     }
 
-    /// Writes what a run's guesses are made of.
-    pub(crate) fn write_guesses(&self, run: usize, state: &mut State, missed: &mut Missed) {
+    /// Writes what a run's guesses are made of, and how stiff its equations have been.
+    pub(crate) fn write_experience(
+        &self,
+        run: usize,
+        state: &mut State,
+        missed: &mut Missed,
+        stiffest: &mut [f64],
+    ) {
         missed.fill(0.0);
         for vector in &self.vectors {
-            vector.write_guesses(run, state, missed);
+            vector.write_experience(run, state, missed, stiffest);
         }
+    }
+
+    /// Whether some follower pulls on no block, so that no lane knows its natural length.
+    pub(crate) fn leave_followers(&self) -> bool {
+        let is_here = |strand| self.vectors.iter().any(|vector| vector.strands.contains(&strand));
+        !self.follows.followers().all(is_here)
     }
 
     /// Writes the natural lengths that a run's followers have had in the last step.
@@ -84,21 +107,22 @@ impl Lanes {
 }
 
 impl Vector {
-    fn take_up(&mut self, states: &[&State], missed: &[Missed]) {
+    fn take_up(&mut self, runs: &[TakenUp]) {
         let width = self.width;
         let unknowns = self.unknowns * width;
         for (k, &c) in self.coordinates.iter().enumerate() {
-            let state = states[self.runs[k % width]];
+            let TakenUp { state, stiffest, .. } = runs[self.runs[k % width]];
             self.q[k] = state.q[c];
             if k < unknowns {
                 (self.p[k], self.v[k]) = (state.p[c], state.v[c]);
+                self.stiffest[k] = stiffest[c];
                 for (degree, differences) in state.differences.chunks(state.q.len()).enumerate() {
                     self.differences[degree * unknowns + k] = differences[c];
                 }
             }
         }
         for (k, place) in self.missed.iter_mut().enumerate() {
-            *place = missed[self.runs[k % width]][k / width];
+            *place = runs[self.runs[k % width]].missed[k / width];
         }
     }
 
@@ -133,11 +157,18 @@ impl Vector {
         }
     }
 
-    fn write_guesses(&self, run: usize, state: &mut State, missed: &mut Missed) {
+    fn write_experience(
+        &self,
+        run: usize,
+        state: &mut State,
+        missed: &mut Missed,
+        stiffest: &mut [f64],
+    ) {
         let width = self.width;
         let unknowns = self.unknowns * width;
         for (k, &c) in self.coordinates[..unknowns].iter().enumerate() {
             if self.runs[k % width] == run && k % width < self.used {
+                stiffest[c] = self.stiffest[k];
                 let stride = state.q.len();
                 for (degree, differences) in state.differences.chunks_mut(stride).enumerate() {
                     differences[c] = self.differences[degree * unknowns + k];

@@ -19,7 +19,7 @@ use crate::shape::{Place, Shape};
 use advance::advance;
 use arrange::Arrange;
 pub(crate) use course::{Courses, Follows};
-pub(crate) use exchange::Around;
+pub(crate) use exchange::{Around, TakenUp};
 use std::sync::atomic::{AtomicU64, Ordering};
 use step::LaneStep;
 use vector::Vector;
@@ -54,13 +54,15 @@ pub trait LaneVisitor {
     fn is_complete(&self) -> bool;
 }
 
-/// What is known of coordinates before any run: least sizes, and which are in static equilibrium.
+/// What is known of coordinates before any run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kinds {
     /// Least size for tolerances (1 rad or the model's length).
     pub(crate) size: Vec<f64>,
     /// Whether it is in static equilibrium.
     pub(crate) is_static: Vec<bool>,
+    /// Whether it is an [internal variable](crate::internal).
+    pub(crate) is_internal: Vec<bool>,
 }
 
 /// Runs of one model on lanes.

@@ -4,8 +4,9 @@
 
 use super::vector::Vector;
 use super::{LaneVisitor, RUNS};
+use crate::internal;
 use crate::lane::{Lane, Work, call};
-use crate::newton::{Start, newton};
+use crate::newton::{Balances, Start, newton};
 use crate::predict::guess;
 use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
@@ -127,6 +128,11 @@ impl<
         let (t, h) = (L::load(&vector.t), L::load(&vector.h));
         measure::<L, Sh, N, M, Q, S, U>(vector, t);
         let q = load::<L, Q>(&vector.q);
+        for &i in Sh::INTERNAL {
+            let last = L::load(&vector.differences[i * L::WIDTH..]);
+            let v = L::load(&vector.v[i * L::WIDTH..]);
+            internal::past(self.known, last, v, h).store(&mut vector.past[i * L::WIDTH..]);
+        }
         let mut delta = [L::splat(0.0); Q];
         let guessed: [L; N] = match self.known {
             0 | 1 => {
@@ -154,8 +160,15 @@ impl<
             inputs: load(&vector.inputs),
             size: load(&vector.size),
             tolerance: L::load(&vector.tolerance),
+            past: load(&vector.past),
         };
-        let end = newton::<L, Sh, N, M, Q, S, U>(&start, &vector.constants);
+        let balances = vector
+            .has_balances
+            .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
+        let end = newton::<L, Sh, N, M, Q, S, U>(&start, &vector.constants, balances);
+        if let Some(balances) = end.balances {
+            store(&balances.stiffest, &mut vector.stiffest);
+        }
         let mut delta = [L::splat(0.0); N];
         for i in 0..N {
             delta[i] = end.delta[i];

@@ -34,8 +34,13 @@ pub(crate) struct Vector {
     /// 1 over them.
     pub(super) per_size: Vec<f64>,
     /// Part of the increment by which a step moves each unknown: half of it where it is in static
-    /// equilibrium, which is at the middle of the step.
+    /// equilibrium or internal, which is at the middle of the step.
     pub(super) share: Vec<f64>,
+    /// Factor of the increment in the rate.
+    pub(super) rate: Vec<f64>,
+    /// 1 where an unknown is in static equilibrium, else 0; and whether any is.
+    pub(super) balances: Vec<f64>,
+    pub(super) has_balances: bool,
 
     /// Coordinates.
     pub(super) q: Vec<f64>,
@@ -43,6 +48,10 @@ pub(crate) struct Vector {
     pub(super) p: Vec<f64>,
     /// Rates of the step just ended.
     pub(super) v: Vec<f64>,
+    /// What past steps add to the rates of internal coordinates; zero for others.
+    pub(super) past: Vec<f64>,
+    /// The largest sensitivity of each equation of static equilibrium so far; zero for others.
+    pub(super) stiffest: Vec<f64>,
     /// Kinematic coordinates at the end of the step.
     pub(super) ends: Vec<f64>,
     /// Last increment and its backward differences, degree after degree.
@@ -111,9 +120,14 @@ impl Vector {
             size: Vec::with_capacity(counts.unknowns * width),
             per_size: Vec::with_capacity(counts.unknowns * width),
             share: Vec::with_capacity(counts.unknowns * width),
+            rate: Vec::with_capacity(counts.unknowns * width),
+            balances: Vec::with_capacity(counts.unknowns * width),
+            has_balances: false,
             q: room(counts.coordinates),
             p: room(counts.unknowns),
             v: room(counts.unknowns),
+            past: room(counts.unknowns),
+            stiffest: room(counts.unknowns),
             delta: room(counts.unknowns),
             force: room(counts.unknowns),
             ends: room(counts.coordinates - counts.unknowns),

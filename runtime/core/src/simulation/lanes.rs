@@ -1,9 +1,8 @@
 //! A run on lanes, by itself or with others.
 
 use super::{Parts, Simulation, drives};
-use crate::lanes::{Around, Courses, Follows, Lanes};
+use crate::lanes::{Around, Courses, Follows, Lanes, TakenUp};
 use crate::model::Model;
-use crate::predict::Missed;
 
 impl<M: Model> Simulation<M> {
     /// Whether lanes may take the next step.
@@ -18,17 +17,23 @@ impl<M: Model> Simulation<M> {
 
     /// Takes the next step on lanes; `false`, with the state untouched, where that cannot be.
     pub(super) fn step_on_lanes(&mut self) -> bool {
-        self.prepare_for_lanes();
+        if !self.prepare_for_lanes() {
+            return false;
+        }
         let Parts { model, state, stepper, around, courses } = self.parts();
         let has_stepped = stepper.step_on_lanes(model, state, &around, courses);
         if has_stepped {
+            if self.stepper.lanes().leave_followers() {
+                self.follow(self.state.t - 0.5 * self.h);
+            }
             self.stepper.lanes().write_rest(0, &mut self.rest);
         }
         has_stepped
     }
 
     /// Feeds what lanes are handed in the next step; they measure what follows motions themselves.
-    pub(crate) fn prepare_for_lanes(&mut self) {
+    /// `false` where the step cannot be taken.
+    pub(crate) fn prepare_for_lanes(&mut self) -> bool {
         let t1 = self.next_time();
         if self.is_fed {
             self.feed_but_follow(0.5 * (self.state.t + t1));
@@ -36,6 +41,7 @@ impl<M: Model> Simulation<M> {
         if self.is_driven {
             drives(&mut self.model, self.scenario, t1, &mut self.driven_q);
         }
+        !self.is_muscular || self.excitable().is_ok()
     }
 
     /// Strands that follow motions on lanes, and strands whose natural lengths never change.
@@ -60,9 +66,9 @@ impl<M: Model> Simulation<M> {
         Courses { poses: &self.poses, motions: &self.motions }
     }
 
-    /// How far guesses of each degree have missed.
-    pub(crate) fn missed(&self) -> Missed {
-        self.stepper.missed()
+    /// This run as shared lanes take it up.
+    pub(crate) fn taken_up(&self) -> TakenUp<'_> {
+        self.stepper.taken_up(&self.state)
     }
 
     /// After a step on lanes that are shared: time goes on; the rest of the state stays there.
@@ -85,6 +91,9 @@ impl<M: Model> Simulation<M> {
     /// Writes the state that shared lanes hold.
     pub(crate) fn write_back(&mut self, lanes: &Lanes, lane: usize) {
         self.stepper.write_back(lanes, lane, &mut self.state);
+        if lanes.leave_followers() {
+            self.follow(self.state.t - 0.5 * self.h);
+        }
         lanes.write_rest(lane, &mut self.rest);
     }
 }

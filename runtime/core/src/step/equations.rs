@@ -1,6 +1,7 @@
 //! The step's equations at an increment: residuals, their tolerances, and corrections.
 
-use super::{Attempt, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
+use super::{Attempt, BALANCE, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
+use crate::internal;
 use crate::model::{Midpoint, Model};
 
 impl Stepper {
@@ -55,6 +56,9 @@ impl Stepper {
             self.v_mid[i] = self.delta[i] / h;
             self.q1[i] = state.q[i] + self.delta[i];
         }
+        for &c in &self.internal_list {
+            self.v_mid[c] = internal::RATE * self.delta[c] / h + self.past[c];
+        }
         let at = Midpoint {
             q: &self.q_mid,
             v: &self.v_mid,
@@ -100,6 +104,11 @@ impl Stepper {
                 |c, sum| sensitivity[c] = sum,
                 |row, sum| per_gap[row] = per(GAP_FLOOR * sum),
             );
+        }
+        // Where its strands go slack nothing is left of a balance's stiffness but what it has been.
+        for &c in &self.static_list {
+            self.stiffest[c] = self.stiffest[c].max(self.sensitivity[c]);
+            self.sensitivity[c] = BALANCE * self.stiffest[c];
         }
     }
 

@@ -1,9 +1,8 @@
 //! Steps on lanes, by one run alone.
 
 use super::{State, Stepper, Surroundings};
-use crate::lanes::{Around, Courses, Lanes, Outcome};
+use crate::lanes::{Around, Courses, Lanes, Outcome, TakenUp};
 use crate::model::Model;
-use crate::predict::Missed;
 
 /// Steps for which lanes are left alone after they have failed, at most.
 const LONGEST_PAUSE: usize = 64;
@@ -86,7 +85,8 @@ impl Stepper {
         let on_lane = [self.around_on_lanes(state, around)];
         let on_lanes = &mut self.on_lanes;
         if !on_lanes.lanes.arrange(&[model]) || !on_lanes.holds(state) {
-            on_lanes.lanes.take_up(&[state], &[self.predictor.missed], &on_lane);
+            let (missed, stiffest) = (&self.predictor.missed, &self.stiffest[..]);
+            on_lanes.lanes.take_up(&[TakenUp { state, missed, stiffest }], &on_lane);
         }
         on_lanes.lanes.feed(&on_lane, &[courses]);
         match on_lanes.lanes.step(&[model]) {
@@ -103,7 +103,8 @@ impl Stepper {
                 true
             }
             Outcome::Stepped(_) => {
-                on_lanes.lanes.write_guesses(0, state, &mut self.predictor.missed);
+                let (missed, stiffest) = (&mut self.predictor.missed, &mut self.stiffest[..]);
+                on_lanes.lanes.write_experience(0, state, missed, stiffest);
                 self.pause_lanes(state);
                 false
             }
@@ -115,15 +116,15 @@ impl Stepper {
         self.on_lanes.is_possible = false;
     }
 
-    /// How far guesses of each degree have missed.
-    pub(crate) fn missed(&self) -> Missed {
-        self.predictor.missed
+    /// This run as lanes take it up.
+    pub(crate) fn taken_up<'a>(&'a self, state: &'a State) -> TakenUp<'a> {
+        TakenUp { state, missed: &self.predictor.missed, stiffest: &self.stiffest }
     }
 
     /// Writes a state that has stepped on the lanes of several runs, and what its guesses are made of.
     pub(crate) fn write_back(&mut self, lanes: &Lanes, lane: usize, state: &mut State) {
         lanes.write_state(lane, state);
-        lanes.write_guesses(lane, state, &mut self.predictor.missed);
+        lanes.write_experience(lane, state, &mut self.predictor.missed, &mut self.stiffest);
         self.on_lanes.held.0 = None;
     }
 

@@ -7,8 +7,10 @@
 //!
 //! with p = ∂L/∂q̇ and f = ∂L/∂q + F; then p1 = p + (h/2)·f, which the last evaluation already
 //! holds. A coordinate that moves no mass has p = 0 and so f = 0: its value at the middle of the step
-//! is the unknown that balances the forces there, and is what the state keeps of it. Newton starts from the polynomial through the last configurations whose degree has lately
-//! foretold the motion best, so that a smooth motion needs one iteration.
+//! is the unknown that balances the forces there, and is what the state keeps of it. If its rate
+//! matters it is an [internal variable](crate::internal) with a rate of its own kind. Newton starts
+//! from the polynomial through the last configurations whose degree has lately foretold the motion
+//! best, so that a smooth motion needs one iteration.
 
 mod attempt;
 mod equations;
@@ -17,6 +19,7 @@ mod renewal;
 mod report;
 
 use crate::error::StepError;
+use crate::internal;
 use crate::lanes::{Courses, Kinds, Lanes};
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
@@ -31,6 +34,9 @@ const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
 /// are converged. Below one, because the unknown is the increment: rounding of the coordinates
 /// enters through the forces alone.
 pub(crate) const FLOOR: f64 = 0.3 * f64::EPSILON;
+/// Forces in balance cancel, and their rounding with them: how much more than that of the coordinates
+/// is left.
+pub(crate) const BALANCE: f64 = 16.0;
 /// A Newton correction below this, relative to its coordinate, that hardly lowers the residual has
 /// reached the floor.
 pub(crate) const STAGNATION: f64 = 1e-12;
@@ -49,7 +55,8 @@ pub struct State {
     pub step: usize,
     /// Time (s).
     pub t: f64,
-    /// Coordinates; those in static equilibrium at the middle of the step just ended.
+    /// Coordinates; those in static equilibrium and internal ones at the middle of the step just
+    /// ended.
     pub q: Vec<f64>,
     /// Discrete momenta; zero for kinematic and driven coordinates.
     pub p: Vec<f64>,
@@ -66,6 +73,11 @@ impl State {
     pub fn new(q: Vec<f64>, p: Vec<f64>, v: Vec<f64>, rows: usize) -> Self {
         let differences = vec![0.0; DEGREES * q.len()];
         State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], differences }
+    }
+
+    /// Increment of a coordinate in the step just ended.
+    pub(crate) fn last_increment(&self, c: usize) -> f64 {
+        self.differences[c]
     }
 }
 
@@ -131,6 +143,12 @@ pub struct Stepper {
     driven_list: Vec<usize>,
     /// The coordinates in static equilibrium, by index.
     static_list: Vec<usize>,
+    /// The largest sensitivity of each of their equations so far; zero for others.
+    stiffest: Vec<f64>,
+    /// The internal ones.
+    internal_list: Vec<usize>,
+    /// What past steps add to the rates of internal coordinates; zero for others.
+    past: Vec<f64>,
     on_lanes: OnLanes,
     /// Which entries of the constraint Jacobian there are; unknown before the first step.
     spans: Vec<Span>,
@@ -155,7 +173,7 @@ impl Stepper {
             .coordinates
             .iter()
             .map(|c| match c.kind {
-                CoordinateKind::Angle => 1.0,
+                CoordinateKind::Angle | CoordinateKind::Ratio => 1.0,
                 CoordinateKind::Length => layout.length_scale,
             })
             .collect();
@@ -163,7 +181,9 @@ impl Stepper {
         let blocks: Vec<BlockSystem> =
             layout.blocks.iter().map(|b| BlockSystem::new(b, driven, &statics)).collect();
         let is_static = (0..n).map(|c| statics.contains(&c)).collect();
-        let lanes = Lanes::new(Kinds { size: floor_scale.clone(), is_static });
+        let internals = layout.internals(driven);
+        let is_internal = (0..n).map(|c| internals.contains(&c)).collect();
+        let lanes = Lanes::new(Kinds { size: floor_scale.clone(), is_static, is_internal });
         let is_free = layout.rows.is_empty()
             && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c]));
         let predictor = Predictor::new(&floor_scale, driven);
@@ -201,7 +221,10 @@ impl Stepper {
             condition: f64::NAN,
             predictor,
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
+            stiffest: vec![0.0; n],
             static_list: statics,
+            internal_list: internals,
+            past: vec![0.0; n],
             on_lanes: OnLanes::new(lanes, is_free),
             spans: Vec::new(),
             structure_seen: false,
@@ -253,11 +276,17 @@ impl Stepper {
     }
 
     /// Puts coordinates in static equilibrium where the forces balance: at the middle of the step,
-    /// where the equation was solved, and not beyond it. They carry no momentum.
+    /// where the equation was solved, and not beyond it; internal ones likewise. They carry no
+    /// momentum.
     fn rest_statics(&self, state: &mut State, h: f64) {
         for &c in &self.static_list {
             state.q[c] -= 0.5 * self.delta[c];
             state.v[c] = 0.5 * self.delta[c] / h;
+            state.p[c] = 0.0;
+        }
+        for &c in &self.internal_list {
+            state.q[c] -= 0.5 * self.delta[c];
+            state.v[c] = internal::RATE * self.delta[c] / h + self.past[c];
             state.p[c] = 0.0;
         }
     }
@@ -278,6 +307,10 @@ impl Stepper {
     }
 
     fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
+        for &c in &self.internal_list {
+            let (last, v) = (state.last_increment(c), state.v[c]);
+            self.past[c] = internal::past(state.step, last, v, around.h);
+        }
         let rate = match number {
             0 if state.step >= 2 => {
                 self.predictor.guess(state.step, &state.differences, &mut self.delta);
