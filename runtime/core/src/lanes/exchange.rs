@@ -46,6 +46,7 @@ impl Lanes {
         self.known = runs.first().map_or(0, |run| run.state.step);
         for vector in &mut self.vectors {
             vector.take_up(runs);
+            vector.renewal.forget();
             for (k, strand) in vector.strands.iter().enumerate() {
                 vector.rest[k] = around[vector.runs[k % vector.width]].rest[*strand];
             }
@@ -85,8 +86,7 @@ impl Lanes {
 
     /// Whether some follower pulls on no block, so that no lane knows its natural length.
     pub(crate) fn leave_followers(&self) -> bool {
-        let is_here = |strand| self.vectors.iter().any(|vector| vector.strands.contains(&strand));
-        !self.follows.followers().all(is_here)
+        self.leave_followers
     }
 
     /// Writes the natural lengths that a run's followers have had in the last step.

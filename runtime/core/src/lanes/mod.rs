@@ -71,6 +71,8 @@ pub(crate) struct Lanes {
     kinds: Kinds,
     follows: Follows,
     vectors: Vec<Vector>,
+    /// Whether some follower is on no lane.
+    leave_followers: bool,
     /// Stamps of the runs' parameters, and lanes of the machine, for which the vectors were made.
     made_for: ([u64; RUNS], usize),
     /// Steps whose increments the lanes remember.
@@ -121,6 +123,8 @@ impl Lanes {
         let mut arrange = Arrange::new(&self.kinds, &self.follows, models.len(), available());
         M::on_lanes(models, &mut arrange);
         self.vectors = arrange.vectors;
+        let is_here = |strand| self.vectors.iter().any(|vector| vector.strands.contains(&strand));
+        self.leave_followers = !self.follows.followers().all(is_here);
         false
     }
 

@@ -6,7 +6,7 @@ use super::vector::Vector;
 use super::{LaneVisitor, RUNS};
 use crate::internal;
 use crate::lane::{Lane, Work, call};
-use crate::newton::{Balances, Start, newton};
+use crate::newton::{Balances, Kept, Start, newton};
 use crate::predict::guess;
 use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
@@ -159,14 +159,33 @@ impl<
             rest: load(&vector.rest),
             inputs: load(&vector.inputs),
             size: load(&vector.size),
+            per_size: load(&vector.per_size),
             tolerance: L::load(&vector.tolerance),
             past: load(&vector.past),
         };
-        let balances = vector
-            .has_balances
+        let mut balances = vector.has_balances
             .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
-        let end = newton::<L, Sh, N, M, Q, S, U>(&start, &vector.constants, balances);
-        if let Some(balances) = end.balances {
+        if vector.made_for != vector.h {
+            vector.renewal.forget();
+        }
+        let mut kept = Kept::<L, N, M> {
+            inverse: load(&vector.inverse),
+            sensitivity: load(&vector.sensitivity),
+            serves: !vector.renewal.begin(vector.h[0]),
+        };
+        let constants = &vector.constants;
+        let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
+        store(&kept.inverse, &mut vector.inverse);
+        store(&kept.sensitivity, &mut vector.sensitivity);
+        if end.matrices > 0 {
+            vector.renewal.made(vector.h[0]);
+            vector.made_for = vector.h;
+        }
+        vector.renewal.end(end.iterations);
+        if !kept.serves {
+            vector.renewal.forget();
+        }
+        if let Some(balances) = balances {
             store(&balances.stiffest, &mut vector.stiffest);
         }
         let mut delta = [L::splat(0.0); N];

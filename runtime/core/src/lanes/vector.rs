@@ -3,6 +3,10 @@
 use super::course::Course;
 use crate::lane::WIDEST;
 use crate::predict::DEGREES;
+use crate::step::Renewal;
+
+/// Corrections that cost as much as a new inverse: the matrix takes about as long as the equations.
+const PRICE: f64 = 1.5;
 
 /// Pairs of a run and a block of one shape, each in a lane, with everything that their steps read and
 /// write. Every list holds its first number in all lanes, then its second, and so on.
@@ -58,6 +62,14 @@ pub(crate) struct Vector {
     pub(super) differences: Vec<f64>,
     /// How far a guess of each degree has lately missed.
     pub(super) missed: Vec<f64>,
+
+    /// The inverse of the Newton matrix that is kept from step to step, by rows; what rounding of the
+    /// coordinates does to each equation; steps for which they were made (s), and when they are made
+    /// anew.
+    pub(super) inverse: Vec<f64>,
+    pub(super) sensitivity: Vec<f64>,
+    pub(super) made_for: [f64; WIDEST],
+    pub(super) renewal: Renewal,
 
     /// Increments of the step at hand.
     pub(super) delta: Vec<f64>,
@@ -126,6 +138,10 @@ impl Vector {
             q: room(counts.coordinates),
             p: room(counts.unknowns),
             v: room(counts.unknowns),
+            inverse: room(counts.unknowns * counts.unknowns),
+            sensitivity: room(counts.unknowns),
+            made_for: [0.0; WIDEST],
+            renewal: Renewal::new(PRICE),
             past: room(counts.unknowns),
             stiffest: room(counts.unknowns),
             delta: room(counts.unknowns),

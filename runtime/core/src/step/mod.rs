@@ -26,7 +26,7 @@ use crate::model::Model;
 use crate::predict::{DEGREES, Differences, Predictor};
 use crate::solve::{BlockSystem, Span, spans};
 use lanes::OnLanes;
-use renewal::Renewal;
+pub(crate) use renewal::Renewal;
 
 /// Gaps of constraints below this many units of rounding of the coordinates are closed.
 const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
