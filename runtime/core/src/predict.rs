@@ -84,13 +84,13 @@ pub(crate) fn shift<L: Lane>(increment: L, differences: &mut [f64], stride: usiz
 }
 
 /// The increments of a step on lanes by the degree that is best in each lane, with `known`
-/// increments (at least 2) behind it.
+/// increments (at least 2) behind it; and how far that degree has lately missed.
 #[inline(always)]
 pub(crate) fn guess<L: Lane, const N: usize>(
     known: usize,
     differences: &[f64],
     missed: &[f64],
-) -> [L; N] {
+) -> ([L; N], L) {
     let differences = &differences[..DEGREES * N * L::WIDTH];
     let missed = &missed[..DEGREES * L::WIDTH];
     let missed_by = |degree: usize| L::load(&missed[(degree - 1) * L::WIDTH..]);
@@ -116,7 +116,7 @@ pub(crate) fn guess<L: Lane, const N: usize>(
         }
         beyond &= !bits;
     }
-    sums
+    (sums, least)
 }
 
 struct Guess<'a> {

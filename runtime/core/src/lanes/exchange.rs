@@ -47,6 +47,7 @@ impl Lanes {
         for vector in &mut self.vectors {
             vector.take_up(runs);
             vector.renewal.forget();
+            vector.forget_guesses();
             for (k, strand) in vector.strands.iter().enumerate() {
                 vector.rest[k] = around[vector.runs[k % vector.width]].rest[*strand];
             }
@@ -107,6 +108,13 @@ impl Lanes {
 }
 
 impl Vector {
+    /// Forgets how runs have vibrated.
+    fn forget_guesses(&mut self) {
+        self.is_foretold = false;
+        self.echo.fill(0.0);
+        self.missed_echo.fill(0.0);
+    }
+
     fn take_up(&mut self, runs: &[TakenUp]) {
         let width = self.width;
         let unknowns = self.unknowns * width;

@@ -10,6 +10,7 @@ mod advance;
 mod arrange;
 mod course;
 mod exchange;
+mod foretell;
 mod step;
 mod vector;
 

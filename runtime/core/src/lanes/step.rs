@@ -2,12 +2,12 @@
 //!
 //! The states stay as they are until every vector has been solved; see [`super::advance`].
 
+use super::foretell::foretell;
 use super::vector::Vector;
 use super::{LaneVisitor, RUNS};
 use crate::internal;
 use crate::lane::{Lane, Work, call};
 use crate::newton::{Balances, Kept, Start, newton};
-use crate::predict::guess;
 use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
 
@@ -94,7 +94,7 @@ struct StepVector<
 
 /// The first numbers of a list, each in all lanes.
 #[inline(always)]
-fn load<L: Lane, const N: usize>(list: &[f64]) -> [L; N] {
+pub(super) fn load<L: Lane, const N: usize>(list: &[f64]) -> [L; N] {
     let list = &list[..N * L::WIDTH];
     let mut all = [L::splat(0.0); N];
     for i in 0..N {
@@ -142,7 +142,7 @@ impl<
                 }
                 increments
             }
-            known => guess(known, &vector.differences, &vector.missed),
+            known => foretell::<L, N, M>(vector, known),
         };
         for i in 0..N {
             delta[i] = guessed[i];

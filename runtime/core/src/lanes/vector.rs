@@ -63,6 +63,14 @@ pub(crate) struct Vector {
     /// How far a guess of each degree has lately missed.
     pub(super) missed: Vec<f64>,
 
+    /// What the last step's guess was if it knew vibrations, by which differences it was led, and the
+    /// matrix that it has learned, by rows; how far it has lately missed; whether there was one.
+    pub(super) foretold: Vec<f64>,
+    pub(super) lead: Vec<f64>,
+    pub(super) echo: Vec<f64>,
+    pub(super) missed_echo: [f64; WIDEST],
+    pub(super) is_foretold: bool,
+
     /// The inverse of the Newton matrix that is kept from step to step, by rows; what rounding of the
     /// coordinates does to each equation; steps for which they were made (s), and when they are made
     /// anew.
@@ -138,6 +146,11 @@ impl Vector {
             q: room(counts.coordinates),
             p: room(counts.unknowns),
             v: room(counts.unknowns),
+            foretold: room(counts.unknowns),
+            lead: room(counts.unknowns),
+            echo: room(counts.unknowns * counts.unknowns),
+            missed_echo: [0.0; WIDEST],
+            is_foretold: false,
             inverse: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
             made_for: [0.0; WIDEST],
