@@ -1,7 +1,7 @@
 //! Staging: the mechanics run once on symbols, and what comes out sorted into functions.
 //!
-//! The compiler is the interpreter run on symbols. [`kernels`] runs the equations of motion block
-//! by block, [`time`] the functions of time and the scenarios, [`hoist`] takes out what depends on
+//! The compiler is the interpreter run on symbols. [`kernels`] runs the equations of motion part
+//! by part, [`time`] the functions of time and the scenarios, [`hoist`] takes out what depends on
 //! parameters alone so that it is computed when they change and not in every step. The result is a
 //! list of [`Task`]s, each one function to be, in the module where a reader would look for it.
 
@@ -9,6 +9,7 @@ mod harmony;
 mod hoist;
 mod kernels;
 mod labels;
+mod parts;
 mod shapes;
 mod symbols;
 #[cfg(test)]
@@ -20,15 +21,16 @@ use crate::graph::{Leaf, Sym};
 use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Mechanism;
 use handc_runtime::structure::Structure;
-pub use shapes::{BlockPlace, Shape, shared};
+pub use parts::{Part, parts};
+pub use shapes::{PartPlace, Shape, shared};
 use std::collections::HashMap;
 pub use symbols::Symbols;
 
 /// Where a function stands in the generated crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Module {
-    /// Momentum, force, matrices and strand lengths of like blocks, by number of their shape.
-    Block(usize),
+    /// Momentum, force, matrices and strand lengths of like parts of blocks, by number of their shape.
+    Part(usize),
     /// Lengths and moment arms.
     Strands,
     /// Rows and their derivatives.
@@ -63,7 +65,7 @@ pub struct Task {
 pub struct Staged {
     /// Functions in order of their modules; those without results are left out.
     pub tasks: Vec<Task>,
-    /// Like blocks.
+    /// Like parts of blocks.
     pub shapes: Vec<Shape>,
     /// How many numbers follow from parameters.
     pub values: usize,
@@ -78,7 +80,7 @@ pub use time::scenario_numbers;
 pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
     let symbols = Symbols::new(mechanism, structure);
     labels::prepare(mechanism, &symbols);
-    let (mut shapes, mut tasks) = blocks(mechanism, &symbols);
+    let (mut shapes, mut tasks) = like_parts(mechanism, &symbols);
     tasks.extend(kernels::tasks(&symbols));
     tasks.extend(time::tasks(&symbols));
     let mut scenario_numbers: Vec<Vec<_>> =
@@ -90,10 +92,10 @@ pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
     Staged { tasks, shapes, values, scenario_numbers }
 }
 
-/// The equations of all blocks, like ones merged.
-fn blocks(mechanism: &Mechanism, symbols: &Symbols) -> (Vec<Shape>, Vec<Task>) {
+/// The equations of all parts of blocks, like ones merged.
+fn like_parts(mechanism: &Mechanism, symbols: &Symbols) -> (Vec<Shape>, Vec<Task>) {
     let structure = symbols.structure;
-    let tasks = kernels::blocks(symbols);
+    let tasks = kernels::parts(symbols);
     let Some(harmony) = harmony::harmonise(mechanism, structure) else {
         return shapes::merge(&tasks, &tasks, &HashMap::new(), structure);
     };
@@ -106,5 +108,5 @@ fn blocks(mechanism: &Mechanism, symbols: &Symbols) -> (Vec<Shape>, Vec<Task>) {
     let first = mechanism.params.len() as u32;
     let unknown = |(k, &value)| (Sym::leaf(Leaf::Param(first + k as u32)), Sym::constant(value));
     let unknowns = harmony.added.iter().enumerate().map(unknown).collect();
-    shapes::merge(&tasks, &kernels::blocks(&symbols), &unknowns, structure)
+    shapes::merge(&tasks, &kernels::parts(&symbols), &unknowns, structure)
 }

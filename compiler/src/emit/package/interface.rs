@@ -260,7 +260,7 @@ fn blocks(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
         _ => quote!(*sized_mut(lengths) = #model::strand_lengths(self, sized(q));),
     };
     methods.push(method("strand_lengths", &[("q", input), ("lengths", output)], &lengths));
-    if has && blocks::has_lanes(names, functions) {
+    if has && blocks::has_lanes(functions) {
         methods.push(quote! {
             fn revision(&self) -> u64 {
                 self.revision

@@ -5,7 +5,7 @@ use crate::emit::literal::integer;
 use crate::emit::name::{Taken, camel, snake, upper};
 use crate::emit::print::identifier;
 use crate::graph::Leaf;
-use crate::stage::Staged;
+use crate::stage::{Staged, parts};
 use handc_core::layout::Layout;
 use handc_core::muscle::NUMBERS;
 use handc_core::passage::CLEARANCES;
@@ -131,9 +131,9 @@ pub(super) struct Names {
     pub(super) frames: Indices,
     /// Scenarios.
     pub(super) scenarios: Indices,
-    /// Blocks.
-    pub(super) blocks: Vec<String>,
-    /// Modules of the shapes, named after the first block of each.
+    /// Parts of blocks.
+    pub(super) parts: Vec<String>,
+    /// Modules of the shapes, named after the first part of each.
     pub(super) shapes: Vec<String>,
     /// Modules of the scenarios.
     pub(super) scenario_modules: Vec<String>,
@@ -153,7 +153,7 @@ fn unique(names: impl Iterator<Item = String>) -> Vec<String> {
 impl Names {
     /// Names everything in a layout, and frames and shapes besides.
     pub(super) fn new(layout: &Layout, frames: &[String], staged: &Staged) -> Self {
-        let blocks = block_names(layout);
+        let parts = part_names(layout);
         let reserved = |name: &str| RESERVED_CRATES.contains(&name);
         let package = if reserved(&layout.name) || !Taken::is_legal(&layout.name) {
             format!("{}_model", layout.name)
@@ -182,8 +182,8 @@ impl Names {
             rows: Indices::new("row", "ROWS", "constraint row", rows),
             frames: Indices::new("frame", "FRAMES", "frame", frames),
             scenarios: Indices::new("scenario", "SCENARIOS", "scenario", scenarios()),
-            shapes: staged.shapes.iter().map(|s| blocks[s.places[0].block].clone()).collect(),
-            blocks,
+            shapes: staged.shapes.iter().map(|s| parts[s.places[0].part].clone()).collect(),
+            parts,
             scenario_modules: unique(scenarios()),
             param_fields: unique(params()),
             input_fields: unique(inputs()),
@@ -245,19 +245,20 @@ impl Names {
     }
 }
 
-/// The path that the coordinates of a block share, or its first coordinate's name.
-fn block_names(layout: &Layout) -> Vec<String> {
-    if let [_] = &layout.blocks[..] {
+/// The path that the coordinates of a part share, or its first coordinate's name.
+fn part_names(layout: &Layout) -> Vec<String> {
+    let parts = parts(&layout.blocks);
+    if let [_] = parts[..] {
         return vec!["whole".to_owned()];
     }
-    unique(layout.blocks.iter().map(|block| {
+    unique(parts.iter().map(|part| {
         let name = |c: &usize| layout.coordinates[*c].name.as_str();
-        let first = block.coordinates.first().map_or("block", name);
-        let parts: Vec<&str> = first.split('.').collect();
-        (1..parts.len())
+        let first = part.coordinates.first().map_or("part", name);
+        let path: Vec<&str> = first.split('.').collect();
+        (1..path.len())
             .rev()
-            .map(|count| parts[..count].join("."))
-            .find(|path| block.coordinates.iter().all(|c| name(c).starts_with(&format!("{path}."))))
+            .map(|count| path[..count].join("."))
+            .find(|path| part.coordinates.iter().all(|c| name(c).starts_with(&format!("{path}."))))
             .unwrap_or_else(|| first.to_owned())
     }))
 }

@@ -70,9 +70,9 @@ impl BlockSystem {
     pub(crate) fn new(block: &Block, driven: &[bool], statics: &[usize]) -> Self {
         let m = block.rows.len();
         let (mut coordinates, mut local, mut parts) = (Vec::new(), Vec::new(), Vec::new());
-        for part in &block.parts {
+        for part in block.part_ranges() {
             let first = local.len();
-            local.extend(part.iter().filter(|&&position| !driven[block.coordinates[position]]));
+            local.extend(part.filter(|&position| !driven[block.coordinates[position]]));
             coordinates.extend(local[first..].iter().map(|&p: &usize| block.coordinates[p]));
             if local.len() > first {
                 // Until the structure has been seen, every row counts.

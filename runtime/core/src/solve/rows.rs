@@ -73,7 +73,7 @@ mod tests {
         let block = Block {
             coordinates: vec![2, 3, 5, 6],
             rows: vec![1],
-            parts: vec![vec![0, 1, 2, 3]],
+            parts: vec![4],
             matrix_offset: 0,
             constraint_offset: 10,
         };

@@ -2,6 +2,7 @@
 
 use super::{Attempt, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
 use crate::internal;
+use crate::lanes::{Asked, LaneEvaluation};
 use crate::model::{Midpoint, Model};
 
 impl Stepper {
@@ -66,11 +67,23 @@ impl Stepper {
             rest: around.rest,
             inputs: around.inputs,
         };
-        if with_matrix {
-            let matrix = &mut self.matrix;
-            model.evaluate_with_matrix(&at, h, &mut self.momentum, &mut self.force, matrix);
-        } else {
-            model.evaluate(&at, &mut self.momentum, &mut self.force);
+        let asked = Asked {
+            at,
+            momentum: &mut self.momentum,
+            force: &mut self.force,
+            matrix: with_matrix.then_some((h, &mut self.matrix)),
+        };
+        self.evaluates_on_lanes = self.evaluates_on_lanes && {
+            let constants = &mut self.lane_constants;
+            let mut evaluation = LaneEvaluation::new(asked, model.revision(), constants);
+            M::on_lanes(&[model], &mut evaluation)
+        };
+        if !self.evaluates_on_lanes {
+            let (momentum, force) = (&mut self.momentum, &mut self.force);
+            match with_matrix {
+                true => model.evaluate_with_matrix(&at, h, momentum, force, &mut self.matrix),
+                false => model.evaluate(&at, momentum, force),
+            }
         }
         if !self.lambda.is_empty() {
             model.constraints(&self.q1, around.t1, around.rest_end, &mut self.gap);

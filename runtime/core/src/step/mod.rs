@@ -145,6 +145,8 @@ pub struct Stepper {
     past: Vec<f64>,
     /// Whether every block is free of constraints and of drives, so that lanes can take the step.
     on_lanes: bool,
+    /// Whether the equations are evaluated on lanes where the step is not taken there.
+    evaluates_on_lanes: bool,
     /// Which entries of the constraint Jacobian there are; unknown before the first step.
     spans: Vec<Span>,
     structure_seen: bool,
@@ -215,6 +217,7 @@ impl Stepper {
             past: vec![0.0; n],
             on_lanes: layout.rows.is_empty()
                 && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
+            evaluates_on_lanes: true,
             spans: Vec::new(),
             structure_seen: false,
             renewal: Renewal::new(0.0),
