@@ -12,6 +12,7 @@ mod labels;
 mod parts;
 mod shapes;
 mod symbols;
+mod systems;
 #[cfg(test)]
 pub(crate) mod tests;
 mod time;
@@ -25,6 +26,7 @@ pub use parts::{Part, parts};
 pub use shapes::{PartPlace, Shape, shared};
 use std::collections::HashMap;
 pub use symbols::Symbols;
+pub use systems::System;
 
 /// Where a function stands in the generated crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,6 +37,8 @@ pub enum Module {
     Strands,
     /// Rows and their derivatives.
     Constraints,
+    /// The linear system of a constrained block, by number of the system.
+    System(usize),
     /// Potential energy.
     Energy,
     /// Poses of named frames.
@@ -67,6 +71,8 @@ pub struct Staged {
     pub tasks: Vec<Task>,
     /// Like parts of blocks.
     pub shapes: Vec<Shape>,
+    /// Linear systems that are written out.
+    pub systems: Vec<System>,
     /// How many numbers follow from parameters.
     pub values: usize,
     /// Numbers of each scenario that may depend on parameters, in the order of
@@ -80,8 +86,13 @@ pub use time::scenario_numbers;
 pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
     let symbols = Symbols::new(mechanism, structure);
     labels::prepare(mechanism, &symbols);
-    let (mut shapes, mut tasks) = like_parts(mechanism, &symbols);
-    tasks.extend(kernels::tasks(&symbols));
+    let parts = kernels::parts(&symbols);
+    let of_model = kernels::tasks(&symbols);
+    let all: Vec<Task> = parts.iter().chain(&of_model).cloned().collect();
+    let (systems, of_systems) = systems::systems(structure, &all);
+    let (mut shapes, mut tasks) = like_parts(mechanism, &symbols, &parts);
+    tasks.extend(of_model);
+    tasks.extend(of_systems);
     tasks.extend(time::tasks(&symbols));
     let mut scenario_numbers: Vec<Vec<_>> =
         mechanism.scenarios.iter().map(|s| time::numbers(&symbols, s)).collect();
@@ -89,24 +100,27 @@ pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
     let values = hoist::hoist(&mut tasks, scenario_numbers.iter_mut().chain(tables).collect());
     tasks.retain(|task| !task.outputs.is_empty());
     tasks.sort_by_key(|task| task.module);
-    Staged { tasks, shapes, values, scenario_numbers }
+    Staged { tasks, shapes, systems, values, scenario_numbers }
 }
 
 /// The equations of all parts of blocks, like ones merged.
-fn like_parts(mechanism: &Mechanism, symbols: &Symbols) -> (Vec<Shape>, Vec<Task>) {
+fn like_parts(
+    mechanism: &Mechanism,
+    symbols: &Symbols,
+    tasks: &[Task],
+) -> (Vec<Shape>, Vec<Task>) {
     let structure = symbols.structure;
-    let tasks = kernels::parts(symbols);
     let Some(harmony) = harmony::harmonise(mechanism, structure) else {
-        return shapes::merge(&tasks, &tasks, &HashMap::new(), structure);
+        return shapes::merge(tasks, tasks, &HashMap::new(), structure);
     };
     let alike = Structure::new(&harmony.mechanism);
     if alike.blocks != structure.blocks {
-        return shapes::merge(&tasks, &tasks, &HashMap::new(), structure);
+        return shapes::merge(tasks, tasks, &HashMap::new(), structure);
     }
     let symbols = Symbols::new(&harmony.mechanism, &alike);
     labels::prepare(&harmony.mechanism, &symbols);
     let first = mechanism.params.len() as u32;
     let unknown = |(k, &value)| (Sym::leaf(Leaf::Param(first + k as u32)), Sym::constant(value));
     let unknowns = harmony.added.iter().enumerate().map(unknown).collect();
-    shapes::merge(&tasks, &kernels::parts(&symbols), &unknowns, structure)
+    shapes::merge(tasks, &kernels::parts(&symbols), &unknowns, structure)
 }

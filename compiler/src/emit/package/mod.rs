@@ -15,6 +15,7 @@ mod names;
 mod parameters;
 mod shapes;
 mod spacing;
+mod systems;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -117,6 +118,9 @@ fn assemble(
     if !staged.shapes.is_empty() {
         let module = blocks::module(&names, &staged, &functions);
         sources.push(("blocks/mod.rs".to_owned(), module));
+    }
+    if !staged.systems.is_empty() {
+        sources.push(("systems/mod.rs".to_owned(), systems::module(&names, &staged, &functions)));
     }
     sources.extend(manifest::folders(&names, &list));
     sources.extend(modules.into_iter().map(|(m, tokens)| (modules::file(m, &names), tokens)));

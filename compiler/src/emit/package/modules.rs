@@ -3,6 +3,7 @@
 use super::imports;
 use super::names::Names;
 use super::shapes::{self, ShapeNames};
+use super::systems::SystemNames;
 use crate::emit::function::{Emitted, Function, LONGEST_FUNCTION, doc_line};
 use crate::emit::literal::{integer, number};
 use crate::emit::print::identifier;
@@ -36,6 +37,9 @@ pub(super) fn functions(staged: &Staged, names: &Names) -> Vec<Placed> {
                 Module::Part(number) => {
                     function.emit(&ShapeNames { names, shape: &staged.shapes[number] })
                 }
+                Module::System(number) => {
+                    function.emit(&SystemNames { names, system: &staged.systems[number] })
+                }
                 _ => function.emit(names),
             };
             Placed { module: task.module, emitted }
@@ -49,6 +53,7 @@ pub(super) fn folder(module: Module) -> &'static str {
         Module::Part(_) => "blocks",
         Module::Strands => "strands",
         Module::Constraints => "constraints",
+        Module::System(_) => "systems",
         Module::Energy => "energy",
         Module::Frames => "frames",
         Module::Time => "time",
@@ -62,6 +67,7 @@ pub(super) fn path(module: Module, names: &Names) -> TokenStream {
     let folder = identifier(folder(module));
     let inner = match module {
         Module::Part(index) => &names.shapes[index],
+        Module::System(index) => &names.systems[index],
         Module::Scenario(index) => &names.scenario_modules[index],
         _ => return quote!(#folder::),
     };
@@ -81,6 +87,9 @@ fn opening(module: Module, mechanism: &Mechanism, staged: &Staged, names: &Names
         Module::Scenario(index) => {
             let scenario = &mechanism.scenarios[index];
             format!("Scenario `{}`.", scenario.name)
+        }
+        Module::System(index) => {
+            format!("Linear system of the block `{}`, in a fixed order.", names.systems[index])
         }
         Module::Strands => "Strands: lengths and moment arms.".to_owned(),
         Module::Constraints => "Constraints: rows and their derivatives.".to_owned(),

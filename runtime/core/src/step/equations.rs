@@ -4,6 +4,7 @@ use super::{Attempt, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
 use crate::internal;
 use crate::lanes::{Asked, LaneEvaluation};
 use crate::model::{Midpoint, Model};
+use crate::solve::Residuals;
 
 impl Stepper {
     /// Evaluates the equations at the increment and sets their tolerances. Returns the largest
@@ -109,14 +110,12 @@ impl Stepper {
         for c in 0..self.size.len() {
             self.size[c] = state.q[c].abs().max(self.floor_scale[c]);
         }
-        let (sensitivity, per_gap) = (&mut self.sensitivity, &mut self.per_gap);
+        let matrices = (&self.matrix[..], &self.g1[..]);
         for block in &self.blocks {
-            block.sensitivities(
-                (&self.matrix, &self.g1),
-                &self.size,
-                |c, sum| sensitivity[c] = sum,
-                |row, sum| per_gap[row] = per(GAP_FLOOR * sum),
-            );
+            block.sensitivities(matrices, &self.size, &mut self.sensitivity, &mut self.per_gap);
+            for &row in &block.rows {
+                self.per_gap[row] = per(GAP_FLOOR * self.per_gap[row]);
+            }
         }
     }
 
@@ -194,29 +193,14 @@ impl Stepper {
 
     /// The full correction, from the residual at hand and the factors kept.
     pub(super) fn newton_step(&mut self) {
+        let of = Residuals {
+            residual: &self.residual,
+            gaps: &self.gap,
+            pull: &self.pull,
+            lambda: &self.lambda,
+        };
         for block in &mut self.blocks {
-            let (n, m) = (block.coordinates.len(), block.rows.len());
-            let (step, change) = (&mut self.block_step[..n], &mut self.block_lambda[..m]);
-            for (r, &c) in step.iter_mut().zip(&block.coordinates) {
-                *r = self.residual[c];
-            }
-            for (gap, &row) in change.iter_mut().zip(&block.rows) {
-                *gap = self.gap[row];
-            }
-            let regular = block.is_regular();
-            if !regular {
-                // The residual at λ = 0: the solve then gives the whole multiplier.
-                for (r, &c) in step.iter_mut().zip(&block.coordinates) {
-                    *r += self.pull[c];
-                }
-            }
-            block.solve(step, change);
-            for (x, &c) in step.iter().zip(&block.coordinates) {
-                self.newton[c] = *x;
-            }
-            for (x, &row) in change.iter().zip(&block.rows) {
-                self.newton_lambda[row] = if regular { *x } else { x - self.lambda[row] };
-            }
+            block.correct(&of, &mut self.newton, &mut self.newton_lambda);
         }
     }
 

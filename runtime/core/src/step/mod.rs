@@ -131,8 +131,6 @@ pub struct Stepper {
     per_gap: Vec<f64>,
     newton: Vec<f64>,
     newton_lambda: Vec<f64>,
-    block_step: Vec<f64>,
-    block_lambda: Vec<f64>,
     condition: f64,
     predictor: Predictor,
     /// The driven coordinates by index.
@@ -207,8 +205,6 @@ impl Stepper {
             per_gap: vec![0.0; m],
             newton: vec![0.0; n],
             newton_lambda: vec![0.0; m],
-            block_step: vec![0.0; n],
-            block_lambda: vec![0.0; m],
             condition: f64::NAN,
             predictor: Predictor::new(&floor_scale, driven),
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
@@ -282,6 +278,7 @@ impl Stepper {
         let mut probe = vec![f64::NAN; self.g0.len()];
         model.constraint_jacobian(&state.q, state.t, &mut probe);
         self.blocks.iter_mut().for_each(|block| block.see_structure(&probe));
+        M::systems().iter().for_each(|system| self.blocks[system.block].use_system(system));
         self.spans = spans(&model.layout().blocks, &self.driven, &probe);
         let costs = self.blocks.iter().map(BlockSystem::costs);
         let [make, serve] = costs.fold([0.0, 1.0], |[a, b], [x, y]| [a + x, b + y]);
