@@ -104,11 +104,7 @@ pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
 }
 
 /// The equations of all parts of blocks, like ones merged.
-fn like_parts(
-    mechanism: &Mechanism,
-    symbols: &Symbols,
-    tasks: &[Task],
-) -> (Vec<Shape>, Vec<Task>) {
+fn like_parts(mechanism: &Mechanism, symbols: &Symbols, tasks: &[Task]) -> (Vec<Shape>, Vec<Task>) {
     let structure = symbols.structure;
     let Some(harmony) = harmony::harmonise(mechanism, structure) else {
         return shapes::merge(tasks, tasks, &HashMap::new(), structure);

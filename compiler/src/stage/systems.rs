@@ -48,6 +48,7 @@ pub(super) fn systems(structure: &Structure, tasks: &[Task]) -> (Vec<System>, Ve
         let tasks = elimination.tasks(systems.len());
         systems.push(System { block: number, factors: elimination.factors.len() });
         made.push(sensitivities(systems.len() - 1, block, &there));
+        made.extend(pulls(systems.len() - 1, block, &there[1]));
         made.extend(tasks);
     }
     (systems, made)
@@ -90,6 +91,29 @@ fn sensitivities(system: usize, block: &Block, [matrix, jacobian]: &[BTreeSet<us
         "Sums of |Jᵢⱼ|·size(j) by coordinates and of |G₁|·size by rows.",
         outputs,
     )
+}
+
+/// What the constraints do to the coordinates: the sum of their impulses, and that of their sizes.
+fn pulls(system: usize, block: &Block, jacobian: &BTreeSet<usize>) -> [Task; 2] {
+    let width = block.coordinates.len();
+    let lambda = |row: usize| Sym::leaf(Leaf::Lambda(row as u32));
+    let sums = |array: &'static str, term: &dyn Fn(Sym, Sym) -> Sym| -> Vec<Output> {
+        let column = |i: usize| {
+            let rows = block.rows.iter().enumerate();
+            let rows = rows.map(|(k, &row)| (block.constraint_offset + k * width + i, row));
+            let rows = rows.filter(|(slot, _)| jacobian.contains(slot));
+            let terms = rows.map(|(slot, row)| term(leaf(SystemArray::Before, slot), lambda(row)));
+            terms.fold(Sym::zero(), |sum, term| sum + term)
+        };
+        let coordinates = block.coordinates.iter().enumerate();
+        coordinates.map(|(i, &c)| output(array, c, column(i), array)).collect()
+    };
+    let pull = sums("pull", &|g, lambda| g * lambda);
+    let sizes = sums("sizes", &|g, lambda| (g * lambda).abs());
+    [
+        task(system, "pull", "Impulses G₀ᵀλ by coordinates.", pull),
+        task(system, "pull_sizes", "Sizes of the terms of G₀ᵀλ by coordinates.", sizes),
+    ]
 }
 
 /// A system on its way to factors. Unknowns count the block's coordinates, then its rows.
@@ -153,7 +177,8 @@ impl<'a> Elimination<'a> {
             rows[i].insert(j, leaf(SystemArray::Matrix, slot));
         }
         for &slot in jacobian.range(block.constraint_offset..block.constraint_offset + n * m) {
-            let (k, j) = ((slot - block.constraint_offset) / n, (slot - block.constraint_offset) % n);
+            let (k, j) =
+                ((slot - block.constraint_offset) / n, (slot - block.constraint_offset) % n);
             rows[j].insert(n + k, -leaf(SystemArray::Before, slot));
             rows[n + k].insert(j, leaf(SystemArray::After, slot));
         }
@@ -178,7 +203,8 @@ impl<'a> Elimination<'a> {
     /// Eliminates some unknowns, those with the fewest neighbours first.
     fn eliminate(&mut self, mut unknowns: Vec<usize>) -> Option<()> {
         while !unknowns.is_empty() {
-            let with_pivot = unknowns.iter().enumerate().filter(|(_, u)| self.rows[**u].contains_key(u));
+            let with_pivot =
+                unknowns.iter().enumerate().filter(|(_, u)| self.rows[**u].contains_key(u));
             let (next, _) = with_pivot.min_by_key(|(_, u)| self.rows[**u].len())?;
             self.pivot(unknowns.remove(next));
             if self.products > LARGEST {
@@ -272,5 +298,129 @@ impl<'a> Elimination<'a> {
                 solution,
             ),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::{evaluate, with_new};
+    use handc_core::linalg::Lu;
+
+    /// Two fingers and a ball, held by two and three rows.
+    fn block() -> Block {
+        Block {
+            coordinates: vec![4, 5, 6, 0, 1, 7, 8, 9],
+            rows: vec![2, 3, 4, 6, 5],
+            parts: vec![3, 2, 3],
+            matrix_offset: 3,
+            constraint_offset: 2,
+        }
+    }
+
+    /// Which parts each row touches.
+    const TOUCHED: [[bool; 3]; 5] = [
+        [true, false, true],
+        [true, false, true],
+        [false, true, true],
+        [false, true, true],
+        [true, true, false],
+    ];
+
+    /// A number without pattern.
+    fn number(index: usize, salt: usize) -> f64 {
+        ((index * 7919 + salt * 104_729 + 13) % 1009) as f64 / 1009.0 - 0.5
+    }
+
+    /// Entries of a packed matrix or Jacobian; what is not there stays zero.
+    fn packed(there: &BTreeSet<usize>, salt: usize, size: usize) -> Vec<f64> {
+        (0..size).map(|i| if there.contains(&i) { number(i, salt) } else { 0.0 }).collect()
+    }
+
+    #[test]
+    fn solves_what_a_dense_solver_solves() {
+        let block = block();
+        let (n, m) = (block.coordinates.len(), block.rows.len());
+        let ranges: Vec<_> = block.part_ranges().collect();
+        let mut matrix_there = BTreeSet::new();
+        for part in parts(std::slice::from_ref(&block)) {
+            matrix_there.extend(part.slots());
+        }
+        let mut jacobian_there = BTreeSet::new();
+        for (k, touched) in TOUCHED.iter().enumerate() {
+            for (range, _) in ranges.iter().zip(touched).filter(|(_, touched)| **touched) {
+                jacobian_there.extend(range.clone().map(|j| block.constraint_offset + k * n + j));
+            }
+        }
+        let mut matrix = packed(&matrix_there, 1, 3 + n * n);
+        (0..n).for_each(|i| matrix[3 + i * (n + 1)] -= 3.0);
+        let before = packed(&jacobian_there, 2, 2 + n * m);
+        let after = packed(&jacobian_there, 3, 2 + n * m);
+        let residual: Vec<f64> = (0..10).map(|i| number(i, 4)).collect();
+        let gaps: Vec<f64> = (0..7).map(|i| number(i, 5)).collect();
+        let size: Vec<f64> = (0..10).map(|i| 1.0 + number(i, 6)).collect();
+        let lambda: Vec<f64> = (0..7).map(|i| number(i, 7)).collect();
+        let found = with_new(|| {
+            let there = [matrix_there, jacobian_there];
+            let elimination = Elimination::run(&block, &there).unwrap();
+            let mut tasks = elimination.tasks(0).to_vec();
+            tasks.push(sensitivities(0, &block, &there));
+            tasks.extend(pulls(0, &block, &there[1]));
+            let mut factors = Vec::new();
+            let mut found: Vec<(Place, f64)> = Vec::new();
+            for task in tasks {
+                let values: Vec<Sym> = task.outputs.iter().map(|output| output.value).collect();
+                let values = evaluate(&values, |leaf| match leaf {
+                    Leaf::System(SystemArray::Matrix, i) => matrix[i as usize],
+                    Leaf::System(SystemArray::Before, i) => before[i as usize],
+                    Leaf::System(SystemArray::After, i) => after[i as usize],
+                    Leaf::System(SystemArray::Size, i) => size[i as usize],
+                    Leaf::System(SystemArray::Residual, i) => residual[i as usize],
+                    Leaf::System(SystemArray::Gaps, i) => gaps[i as usize],
+                    Leaf::System(SystemArray::Factors, i) => factors[i as usize],
+                    Leaf::Lambda(i) => lambda[i as usize],
+                    other => panic!("reads {other:?}"),
+                });
+                if task.name == "factor" {
+                    factors.clone_from(&values);
+                }
+                found.extend(task.outputs.iter().map(|o| o.place.clone()).zip(values));
+            }
+            found
+        });
+        let of = |array: &'static str, index: usize| -> f64 {
+            let place = Place::Element { array, index };
+            found.iter().find(|(found, _)| *found == place).unwrap().1
+        };
+        let g = |jacobian: &[f64], k: usize, j: usize| jacobian[2 + k * n + j];
+        let mut dense = Lu::new(n + m);
+        for i in 0..n {
+            let row = dense.row_mut(i);
+            row[..n].copy_from_slice(&matrix[3 + i * n..][..n]);
+            (0..m).for_each(|k| row[n + k] = -g(&before, k, i));
+        }
+        for k in 0..m {
+            (0..n).for_each(|j| dense.row_mut(n + k)[j] = g(&after, k, j));
+        }
+        let condition = dense.factor().condition();
+        let mut x: Vec<f64> = block.coordinates.iter().map(|&c| -residual[c]).collect();
+        x.extend(block.rows.iter().map(|&row| -gaps[row]));
+        dense.solve(&mut x);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12 * condition * (1.0 + b.abs());
+        for (i, &c) in block.coordinates.iter().enumerate() {
+            assert!(close(of("step", c), x[i]), "step {i}");
+            let row = (0..n).map(|j| matrix[3 + i * n + j].abs() * size[block.coordinates[j]]);
+            assert!(close(of("sensitivity", c), row.sum()));
+            let pulls = || (0..m).map(|k| g(&before, k, i) * lambda[block.rows[k]]);
+            assert!(close(of("pull", c), pulls().sum()));
+            assert!(close(of("sizes", c), pulls().map(f64::abs).sum()));
+        }
+        for (k, &row) in block.rows.iter().enumerate() {
+            assert!(close(of("change", row), x[n + k]), "change {k}");
+            let terms = (0..n).map(|j| g(&after, k, j).abs() * size[block.coordinates[j]]);
+            assert!(close(of("row_sensitivity", row), terms.sum()));
+        }
+        let shrinkage = found.iter().find(|(place, _)| *place == Place::Return).unwrap().1;
+        assert!((1.0..1e6).contains(&shrinkage), "{shrinkage}");
     }
 }

@@ -363,7 +363,8 @@ fn check(mechanism: Mechanism) {
             Leaf::Time => T,
             Leaf::Step => H,
             Leaf::Length(_) | Leaf::Own(_) | Leaf::Strand(..) => panic!("{leaf:?} is left"),
-            Leaf::Constant(i) => panic!("constant {i} stands outside of a block"),
+            Leaf::Constant(i) => panic!("constant {i} stands outside of a part"),
+            Leaf::System(..) => panic!("{leaf:?} stands outside of a system"),
         };
         // A block's own numbering, and its constants.
         let read_in = |shape: &Shape, block: usize, leaf: Leaf| {

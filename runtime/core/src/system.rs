@@ -21,15 +21,14 @@ pub struct System {
     /// Σ|Jᵢⱼ|·size(j) for every coordinate, and Σ|G₁|·size for every row; of J, G₁ and sizes.
     pub sensitivities:
         fn(matrix: &[f64], after: &[f64], size: &[f64], to: &mut [f64], to_rows: &mut [f64]),
+    /// G₀ᵀλ for every coordinate.
+    pub pull: fn(before: &[f64], lambda: &[f64], pull: &mut [f64]),
+    /// The same with all terms positive.
+    pub pull_sizes: fn(before: &[f64], lambda: &[f64], sizes: &mut [f64]),
     /// Factors J, G₀ and G₁. Returns by how much the smallest pivot has shrunk while others were
     /// eliminated; not a number or infinite where one has vanished.
     pub factor: fn(matrix: &[f64], before: &[f64], after: &[f64], factors: &mut [f64]) -> f64,
     /// Solves for δ and μ, from factors, r and c.
-    pub solve: fn(
-        factors: &[f64],
-        residual: &[f64],
-        gaps: &[f64],
-        step: &mut [f64],
-        change: &mut [f64],
-    ),
+    pub solve:
+        fn(factors: &[f64], residual: &[f64], gaps: &[f64], step: &mut [f64], change: &mut [f64]),
 }

@@ -155,8 +155,7 @@ fn unique(names: impl Iterator<Item = String>) -> Vec<String> {
 impl Names {
     /// Names everything in a layout, and frames and shapes besides.
     pub(super) fn new(layout: &Layout, frames: &[String], staged: &Staged) -> Self {
-        let parts =
-            group_names(layout, parts(&layout.blocks).iter().map(|part| part.coordinates));
+        let parts = group_names(layout, parts(&layout.blocks).iter().map(|part| part.coordinates));
         let blocks = group_names(layout, layout.blocks.iter().map(|b| &b.coordinates[..]));
         let reserved = |name: &str| RESERVED_CRATES.contains(&name);
         let package = if reserved(&layout.name) || !Taken::is_legal(&layout.name) {
@@ -226,9 +225,8 @@ impl Names {
 
     fn list_of(&self, array: &str) -> Option<&Indices> {
         Some(match array {
-            "q" | "v" | "momentum" | "force" | "residual" | "step" | "size" | "sensitivity" => {
-                &self.coordinates
-            }
+            "q" | "v" | "momentum" | "force" => &self.coordinates,
+            "residual" | "step" | "size" | "sensitivity" | "pull" | "sizes" => &self.coordinates,
             "rest" | "lengths" | "tensions" => &self.strands,
             "inputs" => &self.inputs,
             "params" => &self.params,

@@ -7,7 +7,7 @@ use crate::emit::function::{Naming, doc_line};
 use crate::emit::literal::integer;
 use crate::emit::print::identifier;
 use crate::graph::Leaf;
-use crate::stage::{PartPlace, Module, Shape, shared};
+use crate::stage::{Module, PartPlace, Shape, shared};
 use handc_core::layout::Layout;
 use proc_macro2::TokenStream;
 use quote::quote;

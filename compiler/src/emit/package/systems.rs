@@ -69,12 +69,16 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
         let closure = |name: &str, of: &[&str]| closure(names, functions, number, name, of);
         let of = ["matrix", "after", "size", "sensitivity", "row_sensitivity"];
         let sensitivities = closure("sensitivities", &of);
+        let pull = closure("pull", &["before", "lambda", "pull"]);
+        let pull_sizes = closure("pull_sizes", &["before", "lambda", "sizes"]);
         let factor = closure("factor", &["matrix", "before", "after", "factors"]);
         let solve = closure("solve", &["factors", "residual", "gaps", "step", "change"]);
         quote!(System {
             block: #block,
             factors: #factors,
             sensitivities: #sensitivities,
+            pull: #pull,
+            pull_sizes: #pull_sizes,
             factor: #factor,
             solve: #solve,
         })

@@ -1,9 +1,9 @@
 //! One part of a block in its own numbering, and the skeleton by which parts are compared.
 
 use super::PartPlace;
-use crate::stage::parts::Part;
 use crate::emit::Place;
 use crate::graph::{Binary, Leaf, Node, Sym, Unary, node, reachable};
+use crate::stage::parts::Part;
 use crate::stage::{Module, Task};
 use handc_runtime::structure::Structure;
 use std::collections::{HashMap, HashSet};

@@ -20,7 +20,7 @@ use crate::layout::Block;
 use crate::linalg::{Lu, Pivots, solve_least_norm};
 use crate::system::System;
 use part::Part;
-pub(crate) use rows::{Span, spans};
+pub(crate) use rows::{Pulls, spans};
 
 /// A pivot below this ratio sends the solve to the rank-revealing method.
 const SMALL_PIVOT: f64 = 1e-11;
@@ -126,12 +126,15 @@ impl BlockSystem {
         }
     }
 
-    /// Uses compiled code from now on, unless a coordinate of the block is driven in this run.
-    pub(crate) fn use_system(&mut self, system: &'static System) {
-        if self.coordinates.len() == self.width {
+    /// Uses compiled code from now on, unless a coordinate of the block is driven in this run. Returns
+    /// whether it does.
+    pub(crate) fn use_system(&mut self, system: &'static System) -> bool {
+        let is_free = self.coordinates.len() == self.width;
+        if is_free {
             self.system = Some(system);
             self.factors = vec![0.0; system.factors];
         }
+        is_free
     }
 
     /// Learns which rows touch which part, from a constraint Jacobian that was filled with what is not
@@ -258,12 +261,7 @@ impl BlockSystem {
 
     /// Keeps the whole system for the rank-revealing method; finds out now whether a coordinate
     /// stays undetermined. Dependent multipliers are no error.
-    fn keep_whole(
-        &mut self,
-        matrix: &[f64],
-        g0: &[f64],
-        g1: &[f64],
-    ) -> Result<Pivots, Singular> {
+    fn keep_whole(&mut self, matrix: &[f64], g0: &[f64], g1: &[f64]) -> Result<Pivots, Singular> {
         let (n, m) = (self.coordinates.len(), self.rows.len());
         let size = n + m;
         self.whole.clear();

@@ -50,9 +50,7 @@ impl Part {
         self.lu.solve_rows::<L>(&mut self.x, self.stride);
         for (i, &row) in self.rows.iter().enumerate() {
             self.of_rows.fill(0.0);
-            for (x, g1) in
-                self.x.chunks_exact(self.stride).zip(self.g1.chunks_exact(self.stride))
-            {
+            for (x, g1) in self.x.chunks_exact(self.stride).zip(self.g1.chunks_exact(self.stride)) {
                 add_scaled::<L>(&mut self.of_rows, g1[i], x);
             }
             let to = schur.row_mut(row);

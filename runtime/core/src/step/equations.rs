@@ -53,10 +53,13 @@ impl Stepper {
         with_matrix: bool,
     ) {
         let h = around.h;
-        for i in 0..self.delta.len() {
-            self.q_mid[i] = state.q[i] + 0.5 * self.delta[i];
-            self.v_mid[i] = self.delta[i] / h;
-            self.q1[i] = state.q[i] + self.delta[i];
+        let count = self.delta.len();
+        let (q, q_mid, v_mid) =
+            (&state.q[..count], &mut self.q_mid[..count], &mut self.v_mid[..count]);
+        for ((i, delta), q1) in self.delta.iter().enumerate().zip(&mut self.q1) {
+            q_mid[i] = q[i] + 0.5 * delta;
+            v_mid[i] = delta / h;
+            *q1 = q[i] + delta;
         }
         for &c in &self.internal_list {
             self.v_mid[c] = internal::RATE * self.delta[c] / h + self.past[c];
@@ -92,13 +95,11 @@ impl Stepper {
                 model.constraint_jacobian(&self.q1, around.t1, &mut self.g1);
             }
         }
-        self.pull.fill(0.0);
-        for span in &self.spans {
-            span.add_forces(&self.g0, &self.lambda, &mut self.pull);
-        }
-        for c in 0..self.residual.len() {
-            let impulse = 0.5 * h * self.force[c] - self.pull[c];
-            self.residual[c] = state.p[c] + impulse - self.momentum[c];
+        self.pulls.forces(&self.g0, &self.lambda, &mut self.pull);
+        let (p, momentum) = (&state.p[..count], &self.momentum[..count]);
+        let (force, pull) = (&self.force[..count], &self.pull[..count]);
+        for (c, residual) in self.residual.iter_mut().enumerate() {
+            *residual = p[c] + (0.5 * h * force[c] - pull[c]) - momentum[c];
         }
         for &c in &self.driven_list {
             self.residual[c] = 0.0;
@@ -122,28 +123,29 @@ impl Stepper {
     /// Tolerance of each equation: what rounding of the coordinates does to it, or what is asked
     /// for relative to its momenta, whichever is larger.
     pub(super) fn set_scales(&mut self, state: &State, around: &Surroundings) {
-        self.bound.copy_from_slice(&self.sensitivity);
-        for span in &self.spans {
-            span.add_sizes(&self.g0, &self.lambda, &mut self.bound);
-        }
-        for c in 0..self.per_scale.len() {
-            let impulse = 0.5 * around.h * self.force[c];
-            let p = state.p[c].abs();
-            let asked = p + self.momentum[c].abs() + impulse.abs();
-            let floor = FLOOR * p.max(self.bound[c]);
-            self.per_scale[c] = per(floor.max(self.tolerance * asked));
+        self.pulls.sizes(&self.g0, &self.lambda, &mut self.bound);
+        let count = self.per_scale.len();
+        let (momentum, force) = (&self.momentum[..count], &self.force[..count]);
+        let (p, bound) = (&state.p[..count], &self.bound[..count]);
+        let sensitivity = &self.sensitivity[..count];
+        for (c, place) in self.per_scale.iter_mut().enumerate() {
+            let (p, impulse) = (p[c].abs(), 0.5 * around.h * force[c]);
+            let asked = p + momentum[c].abs() + impulse.abs();
+            let floor = FLOOR * p.max(sensitivity[c] + bound[c]);
+            *place = per(floor.max(self.tolerance * asked));
         }
     }
 
     /// Largest residual in units of its tolerance; NaN where any is not finite.
     pub(super) fn merit(&self) -> f64 {
         let (mut worst, mut finite) = (0.0, true);
-        let residuals = self.residual.iter().zip(&self.per_scale);
-        for (residual, per_scale) in residuals.chain(self.gap.iter().zip(&self.per_gap)) {
+        let mut keep = |(residual, per_scale): (&f64, &f64)| {
             let ratio = residual.abs() * per_scale;
             finite &= ratio < f64::INFINITY;
             worst = if ratio > worst { ratio } else { worst };
-        }
+        };
+        self.residual.iter().zip(&self.per_scale).for_each(&mut keep);
+        self.gap.iter().zip(&self.per_gap).for_each(&mut keep);
         if finite { worst } else { f64::NAN }
     }
 
@@ -165,10 +167,7 @@ impl Stepper {
         self.newton_step();
         self.move_by(1.0);
         self.residual.fill(0.0);
-        self.pull.fill(0.0);
-        for span in &self.spans {
-            span.add_forces(&self.g0, &self.lambda, &mut self.pull);
-        }
+        self.pulls.forces(&self.g0, &self.lambda, &mut self.pull);
         let h = around.h;
         for c in 0..self.delta.len() {
             self.q1[c] = state.q[c] + self.delta[c];
@@ -206,11 +205,13 @@ impl Stepper {
 
     /// Puts the increment at a fraction of the correction beyond the last one.
     pub(super) fn move_by(&mut self, fraction: f64) {
-        for i in 0..self.delta.len() {
-            self.delta[i] = self.trial[i] + fraction * self.newton[i];
+        let moves = self.trial.iter().zip(&self.newton);
+        for (to, (from, step)) in self.delta.iter_mut().zip(moves) {
+            *to = from + fraction * step;
         }
-        for i in 0..self.lambda.len() {
-            self.lambda[i] = self.trial_lambda[i] + fraction * self.newton_lambda[i];
+        let moves = self.trial_lambda.iter().zip(&self.newton_lambda);
+        for (to, (from, step)) in self.lambda.iter_mut().zip(moves) {
+            *to = from + fraction * step;
         }
     }
 

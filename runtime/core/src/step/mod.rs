@@ -24,7 +24,8 @@ use crate::lanes::LaneConstants;
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
 use crate::predict::{Differences, Predictor};
-use crate::solve::{BlockSystem, Span, spans};
+use crate::solve::{BlockSystem, Pulls, spans};
+use crate::system::System;
 use renewal::Renewal;
 
 /// Gaps of constraints below this many units of rounding of the coordinates are closed.
@@ -124,7 +125,7 @@ pub struct Stepper {
     size: Vec<f64>,
     /// Σ|Jᵢⱼ|·size(j) of the matrix at hand.
     sensitivity: Vec<f64>,
-    /// The same and the sizes of the terms of Dh(q0)ᵀλ.
+    /// Sizes of the terms of Dh(q0)ᵀλ.
     bound: Vec<f64>,
     /// 1 over the tolerance of each residual and each gap.
     per_scale: Vec<f64>,
@@ -145,8 +146,8 @@ pub struct Stepper {
     on_lanes: bool,
     /// Whether the equations are evaluated on lanes where the step is not taken there.
     evaluates_on_lanes: bool,
-    /// Which entries of the constraint Jacobian there are; unknown before the first step.
-    spans: Vec<Span>,
+    /// What constraints do to coordinates; unknown before the first step.
+    pulls: Pulls,
     structure_seen: bool,
     renewal: Renewal,
     lane_constants: LaneConstants,
@@ -214,7 +215,7 @@ impl Stepper {
             on_lanes: layout.rows.is_empty()
                 && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
             evaluates_on_lanes: true,
-            spans: Vec::new(),
+            pulls: Pulls::default(),
             structure_seen: false,
             renewal: Renewal::new(0.0),
             lane_constants: LaneConstants::new(floor_scale),
@@ -278,8 +279,13 @@ impl Stepper {
         let mut probe = vec![f64::NAN; self.g0.len()];
         model.constraint_jacobian(&state.q, state.t, &mut probe);
         self.blocks.iter_mut().for_each(|block| block.see_structure(&probe));
-        M::systems().iter().for_each(|system| self.blocks[system.block].use_system(system));
-        self.spans = spans(&model.layout().blocks, &self.driven, &probe);
+        let blocks = &mut self.blocks;
+        let is_used = |system: &&'static System| blocks[system.block].use_system(system);
+        let systems: Vec<&'static System> = M::systems().iter().filter(is_used).collect();
+        let others = model.layout().blocks.iter().enumerate();
+        let others = others.filter(|(number, _)| systems.iter().all(|s| s.block != *number));
+        let spans = spans(others.map(|(_, block)| block), &self.driven, &probe);
+        self.pulls = Pulls::new(spans, systems);
         let costs = self.blocks.iter().map(BlockSystem::costs);
         let [make, serve] = costs.fold([0.0, 1.0], |[a, b], [x, y]| [a + x, b + y]);
         self.renewal = Renewal::new(make / serve);

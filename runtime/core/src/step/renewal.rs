@@ -77,7 +77,11 @@ impl Renewal {
         // Where old factors did not serve, or no better than new ones would have, trying them was a
         // waste: ever more steps go by before it is done again.
         let extra = (corrections - self.fewest) as f64;
-        self.pause = if self.serves && extra < self.price { 0 } else { (2 * self.pause).clamp(1, LONGEST_PAUSE) };
+        self.pause = if self.serves && extra < self.price {
+            0
+        } else {
+            (2 * self.pause).clamp(1, LONGEST_PAUSE)
+        };
         self.left = self.pause;
     }
 
