@@ -50,14 +50,12 @@ impl Data {
     /// What opens it, its labelled children and what closes it; `None` for what has none.
     #[allow(clippy::type_complexity)]
     fn children(&self) -> Option<(String, Vec<(String, &Data)>, &'static str)> {
-        let plain = |items: &'_ [Data]| -> Vec<(String, &Data)> {
+        fn plain(items: &[Data]) -> Vec<(String, &Data)> {
             items.iter().map(|item| (String::new(), item)).collect()
-        };
+        }
         Some(match self {
             Data::Plain(_) | Data::Text(_) | Data::Option(None) => return None,
-            Data::Option(Some(inner)) => {
-                ("Some(".into(), vec![(String::new(), &**inner)], ")")
-            }
+            Data::Option(Some(inner)) => ("Some(".into(), vec![(String::new(), &**inner)], ")"),
             Data::List(items) => ("vec![".into(), plain(items), "]"),
             Data::Tuple(items) if is_array(items) => ("[".into(), plain(items), "]"),
             Data::Tuple(items) => ("(".into(), plain(items), ")"),
@@ -126,8 +124,11 @@ Thing {
     flag: true,
 }";
         assert_eq!(Data::of(&thing).print(0, 0), expected);
-        assert_eq!(Data::of(&Kind::Two(1, 2)).print(90, 0), "Kind::Two(\n".to_owned()
-            + &format!("{0}1,\n{0}2,\n{1})", " ".repeat(94), " ".repeat(90)));
+        assert_eq!(
+            Data::of(&Kind::Two(1, 2)).print(90, 0),
+            "Kind::Two(\n".to_owned()
+                + &format!("{0}1,\n{0}2,\n{1})", " ".repeat(94), " ".repeat(90))
+        );
         assert_eq!(Data::of(&String::new()).print(0, 0), "String::new()");
     }
 }

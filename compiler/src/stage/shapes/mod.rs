@@ -50,7 +50,10 @@ pub(super) fn merge(
 ) -> (Vec<Shape>, Vec<Task>) {
     let all = crate::stage::parts(&structure.blocks);
     let locals = |tasks| -> Vec<Local> {
-        all.iter().enumerate().map(|(number, part)| Local::new(number, part, tasks, structure)).collect()
+        all.iter()
+            .enumerate()
+            .map(|(number, part)| Local::new(number, part, tasks, structure))
+            .collect()
     };
     let (by_itself, parts) = (locals(tasks), locals(alike));
     let count = all.len();
