@@ -240,6 +240,9 @@ pub struct Wrap {
     /// Unit vector from the centre to the side on which the strand passes, in link axes; `None`: the
     /// shorter way.
     pub side: Option<NumberVector>,
+    /// Unit normal, in link axes, of the plane through the centre of a sphere in which its strand
+    /// stays, so that it has a side; `None` for other spheres and for cylinders.
+    pub plane: Option<NumberVector>,
 }
 
 /// How a strand's tension follows from its length x and natural length x₀.
@@ -379,6 +382,13 @@ impl fmt::Display for Wrap {
             "" => Ok(()),
             source => write!(f, " ({source})"),
         }
+    }
+}
+
+impl Wrap {
+    /// Whether it is a cylinder.
+    pub fn is_cylinder(&self) -> bool {
+        matches!(self.form, SurfaceForm::Cylinder { .. })
     }
 }
 

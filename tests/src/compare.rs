@@ -83,7 +83,7 @@ pub fn differences(model: &str, expected: &[Answer], found: &[Answer]) -> Vec<St
     }
     for (e, f) in expected.iter().zip(found) {
         // What a failed step says holds numbers that rounding changes.
-        let head = |what: &str| what.split(": the step").next().unwrap_or_default().to_string();
+        let head = |what: &str| what.split(": the ").next().unwrap_or_default().to_string();
         if head(&e.what) != head(&f.what) || e.values.len() != f.values.len() {
             wrong.push(format!("{model}: `{}` against `{}`", e.what, f.what));
             continue;
@@ -104,11 +104,12 @@ pub fn differences(model: &str, expected: &[Answer], found: &[Answer]) -> Vec<St
 /// a step end where rounding of the coordinates leaves the step's equations.
 fn bound(answer: &Answer, all: &[Answer]) -> f64 {
     let largest = answer.values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let rounding = |which: usize| {
+    let beside = |what: &str| {
         let step: Vec<&str> = answer.what.split(' ').take(2).collect();
-        let name = format!("{} rounding", step.join(" "));
-        all.iter().find(|a| a.what == name).map_or(0.0, |a| FLOOR * a.values[which])
+        let name = format!("{} {what}", step.join(" "));
+        all.iter().find(|a| a.what == name)
     };
+    let rounding = |which: usize| beside("rounding").map_or(0.0, |a| FLOOR * a.values[which]);
     let what = answer.what.split(' ').nth(2).unwrap_or_default();
     let floor = match what {
         "q" => FLOOR * f64::EPSILON,
@@ -116,6 +117,13 @@ fn bound(answer: &Answer, all: &[Answer]) -> f64 {
         "lambda" => rounding(1),
         // ½pᵀM⁻¹p, of momenta that far off.
         "energy" => rounding(0) * RATE,
+        // Its terms cancel; what rounding of the coordinates makes of it is ∑|f||q|.
+        "potential" => {
+            let pull = |a: &Answer| {
+                a.values.iter().map(|f| f.abs()).filter(|f| f.is_finite()).sum::<f64>()
+            };
+            FLOOR * f64::EPSILON * beside("force").map_or(0.0, pull)
+        }
         "rounding" => return f64::INFINITY,
         _ => SMALLEST,
     };

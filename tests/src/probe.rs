@@ -100,8 +100,9 @@ pub fn answer<M: Model + Clone>(model: M, request: &Request) -> Vec<Answer> {
 }
 
 /// What one unit of rounding in the coordinates does to the momenta and to the multipliers of a
-/// step: Σ|K||q| of the worst row, and the same over the shortest part of a row of the constraints'
-/// Jacobian that no other row has.
+/// step. In the momenta: Σ|K||q| of the worst row of the step's matrix. Constraints that say nearly
+/// the same stretch the rounding of the coordinates: by Σ|G||q| of a row of their Jacobian over the
+/// part of it that no other row has. Over the shortest such part momenta become multipliers.
 fn rounding<M: Model>(
     simulation: &mut Simulation<M>,
     before: &State,
@@ -119,24 +120,29 @@ fn rounding<M: Model>(
     simulation.model.evaluate_with_matrix(&at, h, &mut p, &mut f, &mut matrix);
     let mut jacobian = vec![0.0; layout.constraint_size()];
     simulation.model.constraint_jacobian(&after.q, after.t, &mut jacobian);
-    let (mut impulse, mut shortest) = (0.0_f64, f64::INFINITY);
+    let (mut impulse, mut stretch, mut shortest) = (0.0_f64, 1.0_f64, f64::INFINITY);
     for block in &layout.blocks {
         let width = block.coordinates.len();
-        for row in matrix[block.matrix_offset..].chunks(width.max(1)).take(width) {
+        let size = |row: &[f64]| -> f64 {
             let pull = |(entry, &c): (&f64, &usize)| entry.abs() * after.q[c].abs().max(1.0);
-            impulse = impulse.max(row.iter().zip(&block.coordinates).map(pull).sum());
+            row.iter().zip(&block.coordinates).map(pull).sum()
+        };
+        for row in matrix[block.matrix_offset..].chunks(width.max(1)).take(width) {
+            impulse = impulse.max(size(row));
         }
         let rows = jacobian[block.constraint_offset..].chunks(width.max(1)).take(block.rows.len());
         let rows: Vec<&[f64]> = rows.collect();
         for last in 0..rows.len() {
             // A row that others imply shares its multiplier with them, by its length.
             let whole = rows[last].iter().map(|x| x * x).sum::<f64>().sqrt();
-            for length in [whole, beyond_others(&rows, last)] {
-                shortest = if length > 1e-9 { shortest.min(length) } else { shortest };
+            for length in [whole, beyond_others(&rows, last)].into_iter().filter(|&l| l > 1e-9) {
+                shortest = shortest.min(length);
+                stretch = stretch.max(size(rows[last]) / length);
             }
         }
     }
-    [impulse * f64::EPSILON, impulse * f64::EPSILON / shortest]
+    let impulse = impulse * stretch * f64::EPSILON;
+    [impulse, impulse / shortest]
 }
 
 /// Length of the part of a row that lies outside the span of the others (Gram and Schmidt).

@@ -147,6 +147,35 @@ fn a_node_balances_at_every_row() {
     }
 }
 
+/// Strings that go slack and are caught again, with a node between them that has no mass to tell it
+/// where to be: every step is taken, and the weight comes to rest where the strings hold it.
+#[test]
+fn a_node_between_slack_strings() {
+    let model = text(
+        "gravity = (0, 0, -9.81) m/s^2;
+         joint height: prismatic(z) in world at (0, 0, -0.4) m { damping = 3 N*s/m; }
+         mass weight in height = sphere { radius = 20 mm; mass = 0.5 kg; }
+         node knot at (0, 0, -0.2) m in world { }
+         strand left { path = world (-0.2, 0, 0) m -> knot; stiffness = 500 N/m; rest = 0.25 m; slack = true; }
+         strand right { path = world (0.3, 0, 0) m -> knot; stiffness = 500 N/m; rest = 0.3 m; slack = true; }
+         strand back { path = world (0, 0.2, 0) m -> knot; stiffness = 500 N/m; rest = 0.25 m; slack = true; }
+         strand down { path = knot -> height; stiffness = 800 N/m; rest = 0.18 m; slack = true; }
+         scenario s { step = 1 ms; duration = 8 s; record tension(down) as pull; record taut(down) as is_taut; }",
+    );
+    let mut run = start(model, Some("s"), 1e-3);
+    let mut went_slack = false;
+    for _ in 0..10_000 {
+        advance(&mut run, 1);
+        went_slack |= records(&mut run, 2)[1] == 0.0;
+    }
+    assert!(went_slack, "the weight was to be thrown up");
+    let tension = records(&mut run, 2)[0];
+    let [height, x, y, z] = run.coordinates()[..] else { panic!() };
+    let rise = z - (height - 0.4);
+    let upwards = tension * rise / (x * x + y * y + rise * rise).sqrt();
+    assert!((upwards - 0.5 * 9.81).abs() < 1e-6, "{upwards} N");
+}
+
 /// A cable through a node: one tension on both sides, whatever hangs there; the pulley lies where the
 /// two directions balance the third strand.
 #[test]

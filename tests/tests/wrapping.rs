@@ -281,8 +281,9 @@ fn energy_through_a_million_steps() {
         }
         let shown: Vec<String> = tenths.iter().map(|x| format!("{x:.2e}")).collect();
         eprintln!("{what}: energy {first:.3} J, off by {} J, {contacts} contacts", shown.join(" "));
-        assert!(contacts > 400 && tenths.iter().all(|&worst| worst < bound));
-        assert!(tenths[9] < 1.5 * tenths[0], "it drifts");
+        assert!(contacts > 200 && tenths.iter().all(|&worst| worst < bound));
+        let most = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+        assert!(most(&tenths[5..]) < 1.5 * most(&tenths[..5]), "it drifts");
     }
 }
 
@@ -374,4 +375,29 @@ fn a_start_that_cannot_be() {
         assert!(code == 3 && said.contains("at the start strand `s` cannot pass"), "{said}");
         assert!(said.contains(words), "{said}");
     }
+}
+
+/// A sphere has a side where all moves in its plane; parameters that leave it are found at the start.
+#[test]
+fn a_sphere_has_a_side_in_its_plane_alone() {
+    let model = text(
+        "param off = 0 mm;
+         joint a: revolute(z) in world;
+         mass m in a { mass = 1 kg; inertia = (1, 1, 1) g*m^2; }
+         strand kept { path = world (-60, 0, 0) mm -> via wrap sphere(world, radius = 20 mm, side = y) -> a (50 mm, 0 mm, off); stiffness = 1 N/m; }",
+    );
+    // Straight through the centre it runs round on its side, by the radius.
+    let (mut length, mut arm) = ([0.0], [0.0]);
+    let mut at_zero = model.clone();
+    at_zero.strand_lengths(&[0.0], &mut length);
+    at_zero.moment_arms(&[0.0], &mut arm);
+    let [p, q] = [60.0f64, 50.0].map(|x| (x * x - 400.0).sqrt());
+    let arc = 20.0 * (PI - (20f64 / 60.0).acos() - (20f64 / 50.0).acos());
+    assert!((1e3 * length[0] - (p + q + arc)).abs() < 1e-12, "{length:?}");
+    assert!((arm[0] + 0.02).abs() < 1e-16, "{arm:?}");
+    let set = vec![("off".to_string(), 1e-3)];
+    let settings = Settings { step: Some(1e-3), duration: Some(1.0), set, ..Settings::default() };
+    let Err(said) = Simulation::new(model, &settings) else { panic!("it starts beside its plane") };
+    let said = said.to_string();
+    assert!(said.contains("strand `kept` cannot pass the sphere"), "{said}");
 }

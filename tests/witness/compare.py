@@ -8,7 +8,8 @@ exit code 1 if one exceeds BOUND (default 1e-10). What a difference is relative 
 
 - of a length, the length;
 - of a moment arm, the largest arm of that strand at that pose;
-- of an entry (i, j) of the mass matrix, sqrt(M_ii * M_jj);
+- of an entry (i, j) of the mass matrix, sqrt(M_ii * M_jj); coordinates whose inertia is left out
+  for quasi-static strands are not compared, nor is what the export gives to bodies without mass;
 - of a generalized force at rest (springs, strands, gravity, torques, forces), the largest one at
   that pose; models with a force that MJCF cannot say have none.
 """
@@ -19,6 +20,10 @@ import sys
 
 import mujoco
 import numpy as np
+
+
+# The mass (kg) and moment (kg m^2) that the export gives to bodies without mass.
+LEAST = 1e-15
 
 
 def coordinates_to_joints(model, names):
@@ -92,6 +97,8 @@ def differences(model, case):
     strands = [model.tendon(name).id for name in case["strands"]]
     sites = [int(np.sum(wrapped_objects(model, strand) == mujoco.mjtWrap.mjWRAP_SITE)) for strand in strands]
     free = [i for i, kinematic in enumerate(case["kinematic"]) if not kinematic]
+    moved = [i for i in free if i not in case["without_inertia"]]
+    added = LEAST * np.sum(model.body_mass[1:] <= LEAST)
     lengths_worst, arms_worst, masses_worst, forces_worst = worst = [Worst() for _ in range(4)]
     left_out = 0
     for pose in case["poses"]:
@@ -113,12 +120,13 @@ def differences(model, case):
                 gap = np.abs(dense_moment_arms(model, data)[chosen] @ joints - arms)
                 scale = np.abs(arms).max(axis=1, keepdims=True)
                 arms_worst.add(gap / np.where(scale > 1e-6 * lengths.max(), scale, lengths.max()))
-        if free:
+        if moved:
             full = np.zeros((model.nv, model.nv))
             mujoco.mj_fullM(model, data, full)
             own = np.array(pose["mass"]).reshape(len(names), len(names))
-            gap = np.abs(joints.T @ full @ joints - own)[np.ix_(free, free)]
-            size = np.sqrt(np.diag(own)[free])
+            gap = np.abs(joints.T @ full @ joints - own)[np.ix_(moved, moved)]
+            gap = np.maximum(gap - added, 0.0)
+            size = np.sqrt(np.diag(own)[moved])
             # A coordinate that moves no matter has no scale of its own.
             size[size == 0.0] = 1.0
             masses_worst.add(gap / np.outer(size, size))

@@ -6,7 +6,7 @@ use handc_dsl::diagnostic::Diagnostic;
 use handc_dsl::hir;
 use handc_runtime::mechanism::{Point, Strand};
 use handc_runtime::resolved::Resolved;
-use handc_runtime::surface::{Form, Surface};
+use handc_runtime::surface::Surface;
 use handc_runtime::vector::{Transform, Vec3};
 
 /// Cosine between a hint and the middle of a way below which it does not decide.
@@ -16,6 +16,24 @@ const UNCLEAR: f64 = 0.1;
 pub(super) fn wraps(context: &mut Context, found: &mut Vec<Diagnostic>) {
     if context.mechanism.strands.iter().all(|strand| strand.wraps.is_empty()) {
         return;
+    }
+    for (model, strand) in context.model.strands.iter().zip(&context.mechanism.strands) {
+        let lost = model
+            .wraps
+            .iter()
+            .zip(&strand.wraps)
+            .filter(|(said, wrap)| said.side.is_some() && wrap.side.is_none());
+        for (said, _) in lost {
+            let name = &model.name.text;
+            let message =
+                format!("strand `{name}` has no side on its sphere: `side` has no effect");
+            let warning = Diagnostic::warning("unclear-side", said.span, message)
+                .label("its points do not stay in one plane through the centre");
+            found.push(warning.help(
+                "over a sphere a strand slides to the shorter way; leave `side` out, or wrap a \
+                 cylinder",
+            ));
+        }
     }
     for (index, (q, place)) in places(context).into_iter().enumerate() {
         let before = found.len();
@@ -118,7 +136,10 @@ impl Finding<'_> {
             let message = format!(
                 "a path point of strand `{strand}` is inside the surface it wraps, {place}"
             );
-            let depth = format!("{:.4} mm inside", -1e3 * clearance);
+            let depth = match -1e3 * clearance {
+                depth if depth < 1e-4 => "on it".to_string(),
+                depth => format!("{depth:.4} mm inside"),
+            };
             let error = Diagnostic::error("inside-surface", span, message);
             return Some(error.also(point.span, depth).help(
                 "a strand goes round from outside: make the radius smaller or move the point",
@@ -147,10 +168,7 @@ impl Finding<'_> {
         points: [Vec3<f64>; 2],
     ) -> Option<Diagnostic> {
         let (strand, place, span) = (self.strand, self.place, self.said.span);
-        let flat = |v: Vec3<f64>| match &surface.form {
-            Form::Sphere => v,
-            Form::Cylinder(axis) => axis.reject(v),
-        };
+        let flat = |v: Vec3<f64>| surface.form.flat(v);
         let unit = |v: Vec3<f64>| v.scale(1.0 / v.norm_squared().sqrt());
         let [p, q] = points.map(|point| unit(flat(point - surface.center)));
         let Some(hint) = hint else {
@@ -159,15 +177,12 @@ impl Finding<'_> {
                 format!("strand `{strand}` might pass its cylinder on either side, {place}");
             let warning = Diagnostic::warning("unclear-side", span, message)
                 .label("both ways round are almost equally short");
-            return (is_opposite && matches!(surface.form, Form::Cylinder(_))).then(|| {
+            return (is_opposite && surface.form.axis().is_some()).then(|| {
                 warning.help("say on which side it passes: `side = y`, from the axis to the strand")
             });
         };
         let chord = q - p;
-        let normal = match &surface.form {
-            Form::Sphere => unit(p.cross(q)),
-            Form::Cylinder(axis) => axis.vector(),
-        };
+        let normal = surface.form.axis()?.vector();
         // Cosine of the angle to the middle of the nearer way, seen in their plane.
         let cosine = normal.dot(unit(flat(hint)).cross(unit(chord))).abs();
         if !(cosine < UNCLEAR) {

@@ -20,6 +20,7 @@ use handc_runtime::mechanism::{
     Motion, Number, NumberTransform, NumberVector, Param, Point, Role, Strand, SurfaceForm, Torque,
     Wrap,
 };
+use handc_runtime::surface::planes;
 use handc_runtime::vector::{Mat3, Transform, Vec3};
 use std::collections::HashMap;
 
@@ -92,6 +93,12 @@ impl Lowering<'_> {
         mechanism.scenarios = model.scenarios.iter().map(|s| self.scenario(s)).collect();
         mechanism.links = std::mem::take(&mut self.links);
         mechanism.values = graph::to_program(&self.values);
+        for ([strand, wrap], plane) in planes(&mechanism) {
+            // Out of a plane a strand slides to the shorter way: its hint means nothing.
+            let wrap = &mut mechanism.strands[strand].wraps[wrap];
+            wrap.side = wrap.side.filter(|_| plane.is_some());
+            wrap.plane = plane;
+        }
         mechanism
     }
 
@@ -332,6 +339,7 @@ impl Lowering<'_> {
             center: self.point(&wrap.center),
             radius: self.number(&wrap.radius),
             side,
+            plane: None,
         }
     }
 

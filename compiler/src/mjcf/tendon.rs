@@ -77,7 +77,9 @@ impl Exporter<'_> {
             .with("conaffinity", "0")
             .with("rgba", "0.6 0.6 0.7 0.4");
         let geom = match &surface.form {
-            Form::Sphere => geom.with("type", "sphere").with_numbers("size", &[radius]),
+            Form::Sphere | Form::Ring(_) => {
+                geom.with("type", "sphere").with_numbers("size", &[radius])
+            }
             // For the wrap it has no ends.
             Form::Cylinder(axis) => geom
                 .with("type", "cylinder")
@@ -89,10 +91,7 @@ impl Exporter<'_> {
         let Some(side) = &wrap.side else { return element };
         let side = self.numbers.vector(side);
         // Inside the surface it would ask for a tendon that passes within.
-        let mut toward = match &surface.form {
-            Form::Sphere => side,
-            Form::Cylinder(axis) => axis.reject(side),
-        };
+        let mut toward = surface.form.flat(side);
         toward = toward.scale(2.0 * radius / toward.norm_squared().sqrt());
         let place = Transform { rotation: Mat3::identity(), translation: surface.center + toward };
         let site = self.framed_site(&format!("{name}.side"), wrap.center.link, &place);

@@ -160,6 +160,10 @@ impl Exporter<'_> {
             "nothing that has mass moves with it; handc solves that within the step, MuJoCo cannot",
             &bare,
         );
+        let still = self.structure.without_inertia(self.mechanism).into_iter();
+        let still: Vec<String> =
+            still.map(|c| self.mechanism.coordinates[c].name.clone()).collect();
+        self.warn_of("without inertia in handc, since quasi-static strands hold it; MuJoCo keeps its inertia", &still);
     }
 
     fn body_matter(&self, body: &Body) -> (f64, [f64; 3], [f64; 6]) {

@@ -152,8 +152,9 @@ fn describe(
                     SurfaceForm::Sphere => 0,
                     SurfaceForm::Cylinder { .. } => 1,
                 };
-                let has_side = i64::from(wrap.side.is_some());
-                signature.extend([-5, i64::from(wrap.gap), form, has_side]);
+                let given = [wrap.side.is_some(), wrap.plane.is_some()].map(i64::from);
+                signature.extend([-5, i64::from(wrap.gap), form]);
+                signature.extend(given);
                 signature.push(local(wrap.center.link));
             }
         }
@@ -203,6 +204,7 @@ fn numbers(mechanism: &mut Mechanism, element: Element) -> Vec<&mut Number> {
                 list.extend(&mut wrap.center.position);
                 list.push(&mut wrap.radius);
                 list.extend(wrap.side.iter_mut().flatten());
+                list.extend(wrap.plane.iter_mut().flatten());
             }
             match &mut strand.law {
                 Law::Linear { stiffness } => list.push(stiffness),

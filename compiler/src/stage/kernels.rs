@@ -103,7 +103,7 @@ pub(super) fn parts(symbols: &Symbols) -> Vec<Task> {
             .map(|strand| (strand, lengths[strand]));
         tasks.push(task(
             "lengths",
-            "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).",
+            &format!("Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands{} (m).", wound(symbols)),
             outputs("lengths", own, true, |strand| symbols.mechanism.strands[strand].name.clone()),
         ));
     }
@@ -153,6 +153,12 @@ fn about_part(symbols: &Symbols, coordinates: &[usize]) -> Vec<String> {
     .collect()
 }
 
+/// What is to be added to the formula of lengths.
+fn wound(symbols: &Symbols) -> &'static str {
+    let winds = symbols.mechanism.strands.iter().any(|strand| !strand.wraps.is_empty());
+    if winds { ", round surfaces where they wind" } else { "" }
+}
+
 fn strands(symbols: &Symbols) -> Vec<Task> {
     let mechanism = symbols.mechanism;
     let (strands, count) = (mechanism.strands.len(), mechanism.coordinates.len());
@@ -177,7 +183,10 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
     vec![
         task(
             "lengths",
-            "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of strands that span no block (m).",
+            &format!(
+                "Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of strands that span no block{} (m).",
+                wound(symbols)
+            ),
             outputs("lengths", outside, true, name),
         ),
         task(

@@ -65,14 +65,18 @@ of_one! {
     acos => acos;
     /// Inverse tangent.
     atan => atan;
-    /// Exponential.
-    exp => exp;
     /// Natural logarithm.
     log => ln;
     /// Largest integer not above.
     floor => floor;
     /// Absolute value.
     abs => abs;
+}
+
+/// Exponential, within one unit in the last place.
+#[inline(always)]
+pub fn exp(x: f64) -> f64 {
+    Lane::exp(x)
 }
 
 /// Angle of the point (x, y) (rad), within two units in the last place.
@@ -147,6 +151,22 @@ mod tests {
             assert!((found.0 - expected.0).abs() <= 1e-16 * expected.0.abs().max(1e-12), "{x}");
             assert!((found.1 - expected.1).abs() <= 1e-16 * expected.1.abs().max(1e-12), "{x}");
         }
+    }
+
+    #[test]
+    fn exponentials_are_those_of_the_standard_library() {
+        let mut worst: f64 = 0.0;
+        for i in -700_000..=700_000 {
+            let x = f64::from(i) * 1e-3 * (1.0 + 1e-9 * f64::from(i % 7));
+            let (found, expected) = (exp(x), x.exp());
+            worst = worst.max((found / expected - 1.0).abs());
+        }
+        assert!(worst <= 2.5e-16, "{worst:e}");
+        for x in [0.0, 1e-300, -1e-20, 1.0, 709.0, 800.0, -800.0, f64::INFINITY, f64::NEG_INFINITY]
+        {
+            assert!((exp(x) - x.exp()).abs() <= 3e-16 * x.exp() || exp(x) == x.exp(), "{x}");
+        }
+        assert!(exp(f64::NAN).is_nan());
     }
 
     #[test]

@@ -111,7 +111,7 @@ impl Scalar for f64 {
     }
     #[inline]
     fn exp(self) -> Self {
-        f64::exp(self)
+        crate::math::exp(self)
     }
     #[inline]
     fn log(self) -> Self {

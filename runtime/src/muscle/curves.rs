@@ -179,8 +179,10 @@ pub fn velocity<S: Scalar>(velocity: S, eccentric: S) -> Curve<S> {
     let lengthening = share * x;
     let lengthening_slope = share + share_slope * x;
     let shortening = velocity - share * velocity;
-    let per_short = (one - shortening.scale(1.0 / SHORTENING)).recip();
-    let per_long = (one + lengthening).recip();
+    // One quotient for both denominators.
+    let (below_short, below_long) = (one - shortening.scale(1.0 / SHORTENING), one + lengthening);
+    let quotient = (below_short * below_long).recip();
+    let (per_short, per_long) = (quotient * below_long, quotient * below_short);
     let short = (one + shortening) * per_short;
     let long = (one + eccentric * lengthening) * per_long;
     let short_slope = (per_short * per_short).scale(1.0 + 1.0 / SHORTENING);

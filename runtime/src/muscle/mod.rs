@@ -117,15 +117,17 @@ impl<S: Scalar> ResolvedMuscle<S> {
         curves::tendon_taut(self.strain(length))
     }
 
-    /// Length λ in parts of the optimum, and cos α.
-    fn shape(&self, s: S) -> (S, S) {
+    /// Length λ in parts of the optimum, cos α, and how cos α changes with λ cos α.
+    fn shape(&self, s: S) -> (S, S, Option<S>) {
         let along = s * self.per_optimal;
         match self.thickness {
             Some(thickness) => {
-                let length = (along * along + thickness).sqrt();
-                (length, along / length)
+                let square = along * along + thickness;
+                let per_length = square.sqrt().recip();
+                let turning = thickness * per_length * per_length * per_length;
+                (square * per_length, along * per_length, Some(turning))
             }
-            None => (along, S::one()),
+            None => (along, S::one(), None),
         }
     }
 
@@ -139,12 +141,11 @@ impl<S: Scalar> ResolvedMuscle<S> {
     /// The fibres at s with rate ṡ and activation a.
     pub fn fibres(&self, s: S, rate: S, activation: S) -> Fibres<S> {
         let a = activation;
-        let (length, cosine) = self.shape(s);
+        let (length, cosine, turning) = self.shape(s);
         // Rate of λ in parts of the largest, and how it changes with s as the fibres turn.
         let along = rate * self.per_optimal * self.per_velocity;
         let velocity = cosine * along;
-        let turning = self.thickness.map(|thickness| thickness / (length * length * length));
-        let per_scale = (a.scale(0.75) + S::constant(0.25)).recip();
+        let per_scale = per_scale(a);
         let active = curves::active(length);
         let passive = curves::passive(length, self.passive_strain[1]);
         let scaled = velocity * per_scale;
@@ -201,11 +202,18 @@ impl<S: Scalar> ResolvedMuscle<S> {
         let rise = excitation - activation;
         let [share, share_slope] = step(rise.scale(1.0 / SWITCH) + S::constant(0.5));
         let scale = activation.scale(1.5) + S::constant(0.5);
-        let up = self.per_time[0] / scale;
+        // The same quotient as that of the velocities.
+        let per_scale = per_scale(activation).scale(0.5);
+        let up = self.per_time[0] * per_scale;
         let down = self.per_time[1] * scale;
         let per_time = down + share * (up - down);
-        let slope = (self.per_time[1] - share * (self.per_time[1] + up / scale)).scale(1.5)
+        let slope = (self.per_time[1] - share * (self.per_time[1] + up * per_scale)).scale(1.5)
             - share_slope.scale(1.0 / SWITCH) * (up - down);
         Curve { value: rise * per_time, slope: rise * slope - per_time }
     }
+}
+
+/// 1/(1/4 + 3a/4): velocities are smaller where fibres are less active.
+fn per_scale<S: Scalar>(activation: S) -> S {
+    (activation.scale(0.75) + S::constant(0.25)).recip()
 }

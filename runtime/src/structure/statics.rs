@@ -39,6 +39,12 @@ impl Structure {
         found
     }
 
+    /// Coordinates that move matter whose inertia is left out.
+    pub fn without_inertia(&self, mechanism: &Mechanism) -> Vec<usize> {
+        let trees = self.trees.iter().filter(|tree| tree.is_static);
+        trees.flat_map(|tree| self.tree_coordinates(mechanism, tree)).collect()
+    }
+
     /// Coordinates of nodes that carry no mass and of trees whose inertia is left out, that have no
     /// damping, are held by no constraint and of whose rates no force depends: nothing of them is
     /// left in a step but that forces balance.

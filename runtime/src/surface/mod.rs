@@ -16,6 +16,7 @@
 //! A point inside the surface has no tangent: T is the root of a negative number, and x is not a
 //! number. Over a sphere, points opposite each other have no plane, and x no derivative.
 
+mod plane;
 mod resolve;
 mod sense;
 mod trace;
@@ -25,6 +26,7 @@ use crate::resolved::Axis;
 use crate::vector::Vec3;
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
+pub use plane::planes;
 pub use sense::Sense;
 use turn::Turn;
 
@@ -35,6 +37,22 @@ pub enum Form<S> {
     Sphere,
     /// A cylinder about an axis.
     Cylinder(Axis<S>),
+    /// A sphere whose strand stays in the plane through its centre with this normal.
+    Ring(Axis<S>),
+}
+
+impl<S: Scalar> Form<S> {
+    /// The axis about which a strand turns, if there is one.
+    pub fn axis(&self) -> Option<&Axis<S>> {
+        match self {
+            Form::Sphere => None,
+            Form::Cylinder(axis) | Form::Ring(axis) => Some(axis),
+        }
+    }
+    /// A vector without its part along that axis.
+    pub fn flat(&self, v: Vec3<S>) -> Vec3<S> {
+        self.axis().map_or(v, |axis| axis.reject(v))
+    }
 }
 
 /// A surface in the axes of the link that carries it.
@@ -99,7 +117,7 @@ impl<S: Scalar> Surface<S> {
         let turn = self.turn(points);
         let [before, behind] = turn.squares.map(|p| p.sqrt() - self.radius);
         let off = match self.form {
-            Form::Cylinder(_) => self.radius,
+            Form::Cylinder(_) | Form::Ring(_) => self.radius,
             Form::Sphere => {
                 let distance = (points[1] - points[0]).norm_squared().sqrt();
                 let least = self.radius.scale(1e-9);
@@ -120,25 +138,25 @@ impl<S: Scalar> Surface<S> {
                 let inverse = turn.choose(S::zero(), turn.sine.recip());
                 let normal = p.cross(q).scale(inverse);
                 let ahead = turn.points.map(|point| normal.cross(point));
-                let mut way = self.flat(&turn, difference, ahead);
+                let (mut way, factors) = self.flat(&turn, difference, ahead);
                 // Out of its plane the way bends by (T + r cot θ)/p² at an end, and by −r/(pq sin θ)
                 // between the ends.
                 let bend = self.radius * inverse;
                 for (i, end) in way.ends.iter_mut().enumerate() {
-                    let bent = (turn.tangents[i] + bend * turn.cosine) / turn.squares[i];
+                    let bent = (turn.tangents[i] + bend * turn.cosine) * factors[i];
                     end.binormal = normal;
                     end.excess = turn.choose(S::zero(), bent - end.curvature);
                 }
                 way.cross_bent = -bend;
                 way
             }
-            Form::Cylinder(axis) => {
+            Form::Cylinder(axis) | Form::Ring(axis) => {
                 let ahead = turn.points.map(|point| axis.cross(point).scale(turn.sign));
-                let advance = axis.dot(difference);
+                let advance = self.advance(points);
                 if !advance.is_known_zero() {
                     return self.helix(&turn, difference, ahead, (axis.vector(), advance));
                 }
-                let mut way = self.flat(&turn, difference, ahead);
+                let (mut way, _) = self.flat(&turn, difference, ahead);
                 let inverse = turn.length.recip();
                 for (end, sign) in way.ends.iter_mut().zip([S::one(), -S::one()]) {
                     end.binormal = axis.vector().scale(sign);
@@ -156,25 +174,23 @@ impl<S: Scalar> Surface<S> {
         [0, 1].map(|i| turn.points[i].scale(turn.tangents[i]) + ahead[i].scale(radii[i]))
     }
 
-    /// A way in one plane, but for how it bends out of it; `ahead` is n×p and n×q.
-    fn flat(&self, turn: &Turn<S>, difference: Vec3<S>, ahead: [Vec3<S>; 2]) -> Way<S> {
+    /// A way in one plane, but for how it bends out of it; `ahead` is n×p and n×q. Beside it 1/p² and
+    /// 1/q², where the way touches.
+    fn flat(&self, turn: &Turn<S>, difference: Vec3<S>, ahead: [Vec3<S>; 2]) -> (Way<S>, [S; 2]) {
         let straight = difference.norm_squared().sqrt();
         let toward = self.toward(turn, ahead);
         let chords = [-difference, difference];
-        let mut cross = S::zero();
-        let ends = [0, 1].map(|i| {
-            // One quotient serves the line and the tangent.
-            let factor = turn.choose(straight, turn.squares[i]).recip();
-            cross = turn.choose(-factor, S::zero());
-            End {
-                direction: turn.choose_vector(chords[i], toward[i]).scale(factor),
-                curvature: turn.choose(factor, turn.tangents[i].recip()),
-                binormal: Vec3::zero(),
-                excess: S::zero(),
-            }
+        // One quotient serves the line and the tangent.
+        let factors = turn.squares.map(|square| turn.choose(straight, square).recip());
+        let ends = [0, 1].map(|i| End {
+            direction: turn.choose_vector(chords[i], toward[i]).scale(factors[i]),
+            curvature: turn.choose(factors[i], turn.tangents[i].recip()),
+            binormal: Vec3::zero(),
+            excess: S::zero(),
         });
         let length = turn.choose(straight, turn.length);
-        Way { length, ends, cross_straight: cross, cross_bent: S::zero() }
+        let cross_straight = turn.choose(-factors[0], S::zero());
+        (Way { length, ends, cross_straight, cross_bent: S::zero() }, factors)
     }
 
     /// A way over a cylinder with a helix: with u the directions in the plane across the axis a,
@@ -217,8 +233,9 @@ impl<S: Scalar> Surface<S> {
     /// z: from the first point to the second along the axis of a cylinder.
     fn advance(&self, points: [Vec3<S>; 2]) -> S {
         match &self.form {
-            Form::Sphere => S::zero(),
             Form::Cylinder(axis) => axis.dot(points[1] - points[0]),
+            // A ring's points stay in its plane ([`Surface::turn`] looks).
+            Form::Sphere | Form::Ring(_) => S::zero(),
         }
     }
 }

@@ -14,9 +14,10 @@ impl<S: Scalar> Resolved<S> {
         // A radius below zero has no surface: what hangs on it is not a number.
         let (radius, zero, none) = (self.number(wrap.radius), S::zero(), S::constant(f64::NAN));
         let mut surface = Surface {
-            form: match &wrap.form {
-                SurfaceForm::Sphere => Form::Sphere,
-                SurfaceForm::Cylinder { axis } => Form::Cylinder(self.axis(axis)),
+            form: match (&wrap.form, &wrap.plane) {
+                (SurfaceForm::Sphere, None) => Form::Sphere,
+                (SurfaceForm::Sphere, Some(normal)) => Form::Ring(self.axis(normal)),
+                (SurfaceForm::Cylinder { axis }, _) => Form::Cylinder(self.axis(axis)),
             },
             center: self.vector(&wrap.center.position),
             radius: S::select(Comparison::LessEqual, zero, radius, radius, none),

@@ -24,17 +24,15 @@ impl Noise {
 fn of<S: Scalar>(surface: &Surface<f64>) -> Surface<S> {
     let vector = |v: Vec3<f64>| Vec3(v.0.map(S::constant));
     Surface {
-        form: match surface.form {
-            Form::Sphere => Form::Sphere,
-            Form::Cylinder(axis) => Form::Cylinder(Axis::General(vector(axis.vector()))),
+        form: match surface.form.axis() {
+            None => Form::Sphere,
+            Some(axis) => Form::Cylinder(Axis::General(vector(axis.vector()))),
         },
         center: vector(surface.center),
         radius: S::constant(surface.radius),
-        sense: surface.sense.map(|sense| Sense {
-            about: vector(sense.about),
-            sign: S::constant(sense.sign),
-            cut: sense.cut.map(S::constant),
-        }),
+        sense: surface
+            .sense
+            .map(|sense| Sense { sign: S::constant(sense.sign), cut: sense.cut.map(S::constant) }),
     }
 }
 
@@ -133,15 +131,12 @@ fn tangents_touch() {
         for (k, end) in way.ends.iter().enumerate() {
             let slope = match &surface.form {
                 Form::Sphere => 0.0,
-                Form::Cylinder(axis) => axis.dot(end.direction),
+                Form::Cylinder(axis) | Form::Ring(axis) => axis.dot(end.direction),
             };
             let level = (1.0 - slope * slope).sqrt();
             let contact =
                 points[k] - surface.center - end.direction.scale(turn.tangents[k] / level);
-            let radius = match &surface.form {
-                Form::Sphere => contact,
-                Form::Cylinder(axis) => axis.reject(contact),
-            };
+            let radius = surface.form.flat(contact);
             assert!((radius.norm_squared().sqrt() - surface.radius).abs() < 1e-12);
             assert!(radius.dot(end.direction).abs() < 1e-12);
             assert!((end.direction.norm_squared() - 1.0).abs() < 1e-12);

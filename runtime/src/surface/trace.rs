@@ -1,6 +1,6 @@
 //! Places along a way, for pictures.
 
-use super::{Form, Surface};
+use super::Surface;
 use crate::vector::Vec3;
 
 impl Surface<f64> {
@@ -12,9 +12,9 @@ impl Surface<f64> {
             return Vec::new();
         }
         let angle = (turn.length - turn.tangents[0] - turn.tangents[1]) / self.radius;
-        let normal = match &self.form {
-            Form::Sphere => way.ends[0].binormal,
-            Form::Cylinder(axis) => axis.vector().scale(turn.sign),
+        let normal = match self.form.axis() {
+            None => way.ends[0].binormal,
+            Some(axis) => axis.vector().scale(turn.sign),
         };
         // Along the axis the way climbs evenly.
         let rise = normal.dot(points[1] - points[0]);

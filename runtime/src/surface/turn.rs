@@ -1,5 +1,6 @@
 //! The planar part of a way: how it turns about the centre, and whether it touches.
 
+use super::plane::EVEN;
 use super::{Form, Surface};
 use crate::vector::Vec3;
 use handc_core::scalar::{Comparison, Scalar};
@@ -43,41 +44,46 @@ impl<S: Scalar> Surface<S> {
     pub(super) fn turn(&self, points: [Vec3<S>; 2]) -> Turn<S> {
         let (zero, one) = (S::zero(), S::one());
         let points = points.map(|point| point - self.center);
-        let (points, plain) = match &self.form {
-            Form::Sphere => (points, points[0].cross(points[1]).norm_squared().sqrt()),
-            Form::Cylinder(axis) => {
-                let points = points.map(|point| axis.reject(point));
-                (points, axis.triple(points[0], points[1]))
-            }
+        let flat = points.map(|point| self.form.flat(point));
+        let plain = match self.form.axis() {
+            None => flat[0].cross(flat[1]).norm_squared().sqrt(),
+            Some(axis) => axis.triple(flat[0], flat[1]),
         };
+        let beside = match &self.form {
+            Form::Ring(axis) => Some(points.map(|point| axis.dot(point))),
+            _ => None,
+        };
+        let points = flat;
         let squares = points.map(|point| point.norm_squared());
         let cosine = points[0].dot(points[1]);
-        let (sign, sine, sure) = match &self.sense {
+        let (sign, sine, mut sure) = match &self.sense {
             None => (one, plain, one),
-            Some(sense) => sense.turn(&self.form, points, squares, (plain, cosine)),
+            Some(sense) => sense.turn(squares, (plain, cosine)),
         };
-        let square = self.radius * self.radius;
-        let tangents = squares.map(|p| (p - square).sqrt());
-        // (r − iT_p)(r − iT_q) = real − i·imaginary.
-        let real = square - tangents[0] * tangents[1];
-        let tangent = tangents[0] + tangents[1];
-        let imaginary = self.radius * tangent;
-        let along = cosine * real + sine * imaginary;
-        let across = sine * real - cosine * imaginary;
-        // 0 ≤ φ < 2π where the strand touches.
-        let angle = (-across).atan2(-along) + S::constant(std::f64::consts::PI);
-        let length = tangent + self.radius * angle;
+        for off in beside.into_iter().flatten().filter(|off| !off.is_known_zero()) {
+            let within = self.radius.scale(EVEN) - off.abs();
+            sure = S::select(Comparison::Less, within, zero, within, sure);
+        }
+        let tangents = squares.map(|p| (p - self.radius * self.radius).sqrt());
+        // (cos θ + i sin θ)(r − iT_p), then times r − iT_q.
+        let (r, [t_p, t_q]) = (self.radius, tangents);
+        let (real, imaginary) = (cosine * r + sine * t_p, sine * r - cosine * t_p);
+        let along = real * r + imaginary * t_q;
+        let across = imaginary * r - real * t_q;
         // A strand that turns by less than half a turn touches if φ > 0; by more, always. Where its
         // sense is lost it has no length.
-        let (free, length) = match self.sense {
-            None => (-across, length),
+        let (free, reach) = match self.sense {
+            None => (-across, r),
             Some(_) => {
                 let free = S::select(Comparison::LessEqual, zero, sine, -across, -one);
                 let none = S::constant(f64::NAN);
                 let kept = |x: S| S::select(Comparison::LessEqual, zero, sure, x, none);
-                (kept(free), kept(length))
+                (kept(free), kept(r))
             }
         };
+        // φ is between 0 and 2π where the strand touches.
+        let angle = (-across).atan2(-along);
+        let length = (t_p + t_q + reach.scale(std::f64::consts::PI)) + reach * angle;
         Turn { points, squares, tangents, sign, sine, cosine, free, length, sure }
     }
 }

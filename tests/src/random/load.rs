@@ -23,18 +23,44 @@ pub(super) fn strands(draft: &mut Draft) {
             2 => format!(" rest = {length:.4} m + 2 cm * {};", plain(draft, TIME, 2)),
             _ => String::new(),
         };
-        let path = points.join(" -> ");
+        let friction = draft.chance.is(0.15) && count > 2;
+        let path = if friction { points.join(" -> ") } else { wound(draft, &points) };
         let law = law(draft);
         let more = match draft.chance.below(6) {
+            _ if friction => " friction = 0.2; friction_speed = 0.1 m/s;".to_string(),
             0 => format!(" damping = {};", draft.quantity(0.4, "N*s/m")),
             1 => " slack = true; slack_width = 0.2 m;".to_string(),
             2 => " slack = true; slack_width = 0.1 m; damping = 0.3 N*s/m;".to_string(),
-            3 if count > 2 => " friction = 0.2; friction_speed = 0.1 m/s;".to_string(),
             _ => String::new(),
         };
         draft.lines.push(format!("strand {name} {{ path = {path};{law}{rest}{more} }}"));
         draft.strands.push(name);
     }
+}
+
+/// A path through points, round a surface here and there.
+fn wound(draft: &mut Draft, points: &[String]) -> String {
+    let mut path = points[0].clone();
+    for point in &points[1..] {
+        if draft.chance.is(0.25) {
+            let (center, radius) = (draft.point(0.1), draft.chance.between(10.0, 60.0));
+            let [x, y, z] = draft.chance.vector(1.0);
+            let side = match draft.chance.below(3) {
+                0 => String::new(),
+                _ => format!(", side = ({x:.3}, {y:.3}, {z:.3})"),
+            };
+            let surface = match draft.chance.is(0.4) {
+                true => format!("sphere({center}, radius = {radius:.2} mm{side})"),
+                false => {
+                    let axis = *draft.chance.pick(&["x", "-y", "z", "(1, 2, 0)", "(0, 1, -3)"]);
+                    format!("cylinder({center}, axis = {axis}, radius = {radius:.2} mm{side})")
+                }
+            };
+            path.push_str(&format!(" -> via wrap {surface}"));
+        }
+        path.push_str(&format!(" -> {point}"));
+    }
+    path
 }
 
 /// What makes a strand pull.

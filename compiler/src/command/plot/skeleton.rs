@@ -164,7 +164,9 @@ impl<'a> Placed<'a> {
             let surface = self.skeleton.numbers.surface(strand, wrap);
             let (center, radius) = (surface.center, surface.radius);
             let solid = match &surface.form {
-                Form::Sphere => Solid::Ball { center: place.point(center).0, radius },
+                Form::Sphere | Form::Ring(_) => {
+                    Solid::Ball { center: place.point(center).0, radius }
+                }
                 Form::Cylinder(axis) => {
                     let end = |sign: f64| {
                         place.point(center + axis.vector().scale(sign * THICK * radius)).0

@@ -39,7 +39,7 @@ pub(super) fn angle<L: Lane>(y: L, x: L) -> L {
     let (width, height) = (x.abs(), y.abs());
     let larger = width.max(height);
     let [least, most] = SIZES.map(L::splat);
-    if least.less(larger) & larger.less(most) & (height + width).less(most) != L::ALL {
+    if least.less(larger) & (height + width).less(most) != L::ALL {
         return y.map_two(x, f64::atan2);
     }
     let smaller = width.min(height);

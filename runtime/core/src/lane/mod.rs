@@ -6,6 +6,7 @@
 //! can be.
 
 mod arc;
+mod exponential;
 mod sine;
 pub(crate) mod sweep;
 #[cfg(target_arch = "x86_64")]
@@ -95,6 +96,16 @@ pub trait Lane:
     fn with_sign_of(self, other: Self) -> Self;
     /// Sine and cosine in the quadrant that the low bits of `shifted` count.
     fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self);
+
+    /// x times two to the power that the low bits of `shifted` count.
+    fn exponent(shifted: Self, x: Self) -> Self;
+    /// Exponential, within one unit in the last place; on lanes that of ±700 for what is beyond.
+    #[inline(always)]
+    fn exp(self) -> Self {
+        // In this order what is not a number stays so.
+        let bounded = Self::splat(exponential::LARGEST).min(self);
+        exponential::reduced(Self::splat(-exponential::LARGEST).max(bounded))
+    }
 
     /// The function of every lane.
     #[inline(always)]
@@ -202,6 +213,17 @@ impl Lane for f64 {
         let (a, b) = if quadrant & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
         (flip(a, quadrant & 2), flip(b, quadrant.wrapping_add(1) & 2))
     }
+    #[inline(always)]
+    fn exponent(shifted: f64, x: f64) -> f64 {
+        f64::from_bits(x.to_bits().wrapping_add(shifted.to_bits() << 52))
+    }
+    #[inline(always)]
+    fn exp(self) -> f64 {
+        match f64::abs(self) <= exponential::LARGEST {
+            true => exponential::reduced(self),
+            false => f64::exp(self),
+        }
+    }
 }
 
 /// The functions that straight-line code over lanes calls, in the manner of [`crate::math`].
@@ -243,6 +265,11 @@ pub mod functions {
     pub fn sqrt<L: Lane>(x: L) -> L {
         x.sqrt()
     }
+    /// Exponential.
+    #[inline(always)]
+    pub fn exp<L: Lane>(x: L) -> L {
+        x.exp()
+    }
     /// Absolute value.
     #[inline(always)]
     pub fn abs<L: Lane>(x: L) -> L {
@@ -251,12 +278,12 @@ pub mod functions {
     /// The smaller of two.
     #[inline(always)]
     pub fn min<L: Lane>(x: L, y: L) -> L {
-        x.map_two(y, f64::min)
+        x.min(y)
     }
     /// The larger of two.
     #[inline(always)]
     pub fn max<L: Lane>(x: L, y: L) -> L {
-        x.map_two(y, f64::max)
+        x.max(y)
     }
     /// Angle of the point (x, y).
     #[inline(always)]
@@ -308,8 +335,6 @@ pub mod functions {
         acos => acos;
         /// Inverse tangent.
         atan => atan;
-        /// Exponential.
-        exp => exp;
         /// Natural logarithm.
         log => ln;
         /// Largest integer not above.

@@ -175,6 +175,13 @@ impl Lane for X4 {
         }
     }
     #[inline(always)]
+    fn exponent(shifted: X4, x: X4) -> X4 {
+        unsafe {
+            let power = _mm256_slli_epi64::<52>(_mm256_castpd_si256(shifted.0));
+            X4(_mm256_castsi256_pd(_mm256_add_epi64(_mm256_castpd_si256(x.0), power)))
+        }
+    }
+    #[inline(always)]
     fn turn(shifted: X4, sine: X4, cosine: X4) -> (X4, X4) {
         unsafe {
             let quadrant = _mm256_castpd_si256(shifted.0);

@@ -15,10 +15,19 @@ pub struct LeastNorm {
 /// depends on them.
 pub const RANK_TOLERANCE: f64 = 1e-9;
 
+/// A square system whose pivots differ by less than this has full rank.
+const FULL_RANK: f64 = 1e6;
+
 /// Solves the m×n system A x = b where it may be rank-deficient: pivoted Gram-Schmidt (twice, so
 /// that orthogonality holds to rounding) finds independent columns, and the null space is used to
-/// make x as short as possible. Rows are scaled to length one first.
+/// make x as short as possible. Rows are scaled to length one first. A square system far from
+/// singular is solved by its LU factors.
 pub fn solve_least_norm(a: &[f64], m: usize, n: usize, b: &[f64]) -> LeastNorm {
+    if m == n
+        && let Some(x) = solve_regular(a, n, b)
+    {
+        return LeastNorm { x, dependent: Vec::new() };
+    }
     let mut columns: Vec<Vec<f64>> = vec![vec![0.0; m]; n];
     let mut rhs = vec![0.0; m];
     for i in 0..m {
@@ -110,6 +119,18 @@ pub fn solve_least_norm(a: &[f64], m: usize, n: usize, b: &[f64]) -> LeastNorm {
     }
     left.sort_unstable();
     LeastNorm { x, dependent: left }
+}
+
+/// Solves an n×n system if it is far from singular.
+fn solve_regular(a: &[f64], n: usize, b: &[f64]) -> Option<Vec<f64>> {
+    let mut lu = Lu::new(n);
+    (0..n).for_each(|i| lu.row_mut(i).copy_from_slice(&a[i * n..(i + 1) * n]));
+    let condition = lu.factor().condition();
+    (condition < FULL_RANK).then(|| {
+        let mut x = b.to_vec();
+        lu.solve(&mut x);
+        x
+    })
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
 //! The step's equations at an increment: residuals, their tolerances, and corrections.
 
-use super::{Attempt, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
+use super::{Attempt, BALANCE, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
 use crate::internal;
 use crate::lanes::{Asked, LaneEvaluation};
 use crate::model::{Midpoint, Model};
@@ -117,6 +117,11 @@ impl Stepper {
             for &row in &block.rows {
                 self.per_gap[row] = per(GAP_FLOOR * self.per_gap[row]);
             }
+        }
+        // Where its strands go slack nothing is left of a balance's stiffness but what it has been.
+        for (&c, stiffest) in self.static_list.iter().zip(&mut self.stiffest) {
+            *stiffest = stiffest.max(self.sensitivity[c]);
+            self.sensitivity[c] = BALANCE * *stiffest;
         }
     }
 

@@ -34,6 +34,9 @@ const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
 /// are converged. Below one, because the unknown is the increment: rounding of the coordinates
 /// enters through the forces alone.
 pub(crate) const FLOOR: f64 = 0.3 * f64::EPSILON;
+/// Forces in balance cancel, and their rounding with them: how much more than that of the coordinates
+/// is left.
+const BALANCE: f64 = 16.0;
 /// A Newton correction below this, relative to its coordinate, that hardly lowers the residual has
 /// reached the floor.
 pub(crate) const STAGNATION: f64 = 1e-12;
@@ -138,6 +141,8 @@ pub struct Stepper {
     driven_list: Vec<usize>,
     /// The coordinates in static equilibrium, by index.
     static_list: Vec<usize>,
+    /// The largest sensitivity of each of their equations so far.
+    stiffest: Vec<f64>,
     /// The internal ones.
     internal_list: Vec<usize>,
     /// What past steps add to the rates of internal coordinates; zero for others.
@@ -209,6 +214,7 @@ impl Stepper {
             condition: f64::NAN,
             predictor: Predictor::new(&floor_scale, driven),
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
+            stiffest: vec![0.0; statics.len()],
             static_list: statics,
             internal_list: layout.internals(driven),
             past: vec![0.0; n],
