@@ -12,7 +12,6 @@
 pub mod code;
 pub mod count;
 pub mod cut;
-pub mod data;
 pub mod function;
 pub mod literal;
 pub mod name;
