@@ -242,7 +242,7 @@ impl<'a> Elimination<'a> {
             for &(j, value) in &beside {
                 self.products += 1;
                 let entry = self.rows[other].entry(j).or_insert_with(Sym::zero);
-                *entry = *entry - factor * value;
+                *entry -= factor * value;
             }
             // A multiplier's pivot is made by coordinates and unmade by other multipliers.
             if is_coordinate && other >= self.block.coordinates.len() {

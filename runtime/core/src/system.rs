@@ -5,6 +5,17 @@
 //! rows that its tip carries are eliminated before the ball. There is no exchange of rows; where a
 //! pivot comes out small the system is solved by other means.
 
+/// Function from J, G₁ and sizes of coordinates to sums by coordinates and by rows.
+pub type Sensitivities =
+    fn(matrix: &[f64], after: &[f64], size: &[f64], to: &mut [f64], to_rows: &mut [f64]);
+
+/// Function from J, G₀ and G₁ to factors and the shrinkage of pivots.
+pub type Factor = fn(matrix: &[f64], before: &[f64], after: &[f64], factors: &mut [f64]) -> f64;
+
+/// Function from factors, r and c to δ and μ.
+pub type Solve =
+    fn(factors: &[f64], residual: &[f64], gaps: &[f64], step: &mut [f64], change: &mut [f64]);
+
 /// The system of one block,
 ///
 /// [ J  −G₀ᵀ ] [ δ ]   [ −r ]
@@ -19,16 +30,14 @@ pub struct System {
     /// How many numbers its factors are.
     pub factors: usize,
     /// Σ|Jᵢⱼ|·size(j) for every coordinate, and Σ|G₁|·size for every row; of J, G₁ and sizes.
-    pub sensitivities:
-        fn(matrix: &[f64], after: &[f64], size: &[f64], to: &mut [f64], to_rows: &mut [f64]),
+    pub sensitivities: Sensitivities,
     /// G₀ᵀλ for every coordinate.
     pub pull: fn(before: &[f64], lambda: &[f64], pull: &mut [f64]),
     /// The same with all terms positive.
     pub pull_sizes: fn(before: &[f64], lambda: &[f64], sizes: &mut [f64]),
     /// Factors J, G₀ and G₁. Returns by how much the smallest pivot has shrunk while others were
     /// eliminated; not a number or infinite where one has vanished.
-    pub factor: fn(matrix: &[f64], before: &[f64], after: &[f64], factors: &mut [f64]) -> f64,
+    pub factor: Factor,
     /// Solves for δ and μ, from factors, r and c.
-    pub solve:
-        fn(factors: &[f64], residual: &[f64], gaps: &[f64], step: &mut [f64], change: &mut [f64]),
+    pub solve: Solve,
 }
