@@ -34,5 +34,6 @@ pub mod start;
 mod statics;
 pub mod step;
 mod suggest;
+pub mod system;
 pub mod together;
 pub mod trajectory;

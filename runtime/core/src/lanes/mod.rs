@@ -9,6 +9,7 @@
 mod advance;
 mod arrange;
 mod course;
+mod evaluate;
 mod exchange;
 mod foretell;
 mod step;
@@ -20,6 +21,7 @@ use crate::shape::{Place, Shape};
 use advance::advance;
 use arrange::Arrange;
 pub(crate) use course::{Courses, Follows};
+pub(crate) use evaluate::{Asked, EvaluationConstants, LaneEvaluation};
 pub(crate) use exchange::{Around, TakenUp};
 use std::sync::atomic::{AtomicU64, Ordering};
 use step::LaneStep;

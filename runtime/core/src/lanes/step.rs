@@ -163,7 +163,8 @@ impl<
             tolerance: L::load(&vector.tolerance),
             past: load(&vector.past),
         };
-        let mut balances = vector.has_balances
+        let mut balances = vector
+            .has_balances
             .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
         if vector.made_for != vector.h {
             vector.renewal.forget();

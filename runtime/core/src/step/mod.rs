@@ -20,11 +20,12 @@ mod report;
 
 use crate::error::StepError;
 use crate::internal;
-use crate::lanes::{Courses, Kinds, Lanes};
+use crate::lanes::{Courses, EvaluationConstants, Kinds, Lanes};
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
 use crate::predict::{DEGREES, Differences, Predictor};
-use crate::solve::{BlockSystem, Span, spans};
+use crate::solve::{BlockSystem, Pulls, spans};
+use crate::system::System;
 use lanes::OnLanes;
 pub(crate) use renewal::Renewal;
 
@@ -128,15 +129,13 @@ pub struct Stepper {
     size: Vec<f64>,
     /// Σ|Jᵢⱼ|·size(j) of the matrix at hand.
     sensitivity: Vec<f64>,
-    /// The same and the sizes of the terms of Dh(q0)ᵀλ.
+    /// Sizes of the terms of Dh(q0)ᵀλ.
     bound: Vec<f64>,
     /// 1 over the tolerance of each residual and each gap.
     per_scale: Vec<f64>,
     per_gap: Vec<f64>,
     newton: Vec<f64>,
     newton_lambda: Vec<f64>,
-    block_step: Vec<f64>,
-    block_lambda: Vec<f64>,
     condition: f64,
     predictor: Predictor,
     /// The driven coordinates by index.
@@ -150,10 +149,13 @@ pub struct Stepper {
     /// What past steps add to the rates of internal coordinates; zero for others.
     past: Vec<f64>,
     on_lanes: OnLanes,
-    /// Which entries of the constraint Jacobian there are; unknown before the first step.
-    spans: Vec<Span>,
+    /// Whether the equations are evaluated on lanes where the step is not taken there.
+    evaluates_on_lanes: bool,
+    /// What constraints do to coordinates; unknown before the first step.
+    pulls: Pulls,
     structure_seen: bool,
     renewal: Renewal,
+    lane_constants: EvaluationConstants,
 }
 
 /// How an attempt from one guess ended.
@@ -216,8 +218,6 @@ impl Stepper {
             per_gap: vec![0.0; m],
             newton: vec![0.0; n],
             newton_lambda: vec![0.0; m],
-            block_step: vec![0.0; n],
-            block_lambda: vec![0.0; m],
             condition: f64::NAN,
             predictor,
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
@@ -226,9 +226,11 @@ impl Stepper {
             internal_list: internals,
             past: vec![0.0; n],
             on_lanes: OnLanes::new(lanes, is_free),
-            spans: Vec::new(),
+            evaluates_on_lanes: true,
+            pulls: Pulls::default(),
             structure_seen: false,
             renewal: Renewal::new(0.0),
+            lane_constants: EvaluationConstants::default(),
         }
     }
 
@@ -300,7 +302,13 @@ impl Stepper {
         let mut probe = vec![f64::NAN; self.g0.len()];
         model.constraint_jacobian(&state.q, state.t, &mut probe);
         self.blocks.iter_mut().for_each(|block| block.see_structure(&probe));
-        self.spans = spans(&model.layout().blocks, &self.driven, &probe);
+        let blocks = &mut self.blocks;
+        let is_used = |system: &&'static System| blocks[system.block].use_system(system);
+        let systems: Vec<&'static System> = M::systems().iter().filter(is_used).collect();
+        let others = model.layout().blocks.iter().enumerate();
+        let others = others.filter(|(number, _)| systems.iter().all(|s| s.block != *number));
+        let spans = spans(others.map(|(_, block)| block), &self.driven, &probe);
+        self.pulls = Pulls::new(spans, systems);
         let costs = self.blocks.iter().map(BlockSystem::costs);
         let [make, serve] = costs.fold([0.0, 1.0], |[a, b], [x, y]| [a + x, b + y]);
         self.renewal = Renewal::new(make / serve);
