@@ -128,7 +128,7 @@ fn run_some<M: Model + Clone>(model: &M, settings: impl Iterator<Item = Settings
     let (numbers, runs): (Vec<usize>, Vec<Simulation<M>>) = started.into_iter().unzip();
     let mut together = Together::new(runs);
     while !together.is_over() {
-        together.step(|run, error| ends[numbers[run]].error = Some(error));
+        together.advance(usize::MAX, |run, error| ends[numbers[run]].error = Some(error));
     }
     for (number, mut run) in numbers.into_iter().zip(together.into_runs()) {
         let one = &mut ends[number];

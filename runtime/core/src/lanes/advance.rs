@@ -35,7 +35,7 @@ impl Work for Advance<'_> {
 /// q1 = q0 + Δq and p1 = p0 + h·f; a coordinate in static equilibrium or internal is left at the
 /// middle of the step, where its equation was solved, and carries no momentum.
 #[inline(always)]
-fn advance_lanes<L: Lane>(vector: &mut Vector, lane: usize, known: usize) {
+pub(super) fn advance_lanes<L: Lane>(vector: &mut Vector, lane: usize, known: usize) {
     let (width, count) = (vector.width, vector.unknowns * vector.width);
     let h = L::load(&vector.h[lane..]);
     let per_h = L::splat(1.0) / h;

@@ -97,6 +97,9 @@ pub(crate) struct Vector {
     /// Motions that natural lengths follow.
     pub(super) courses: Vec<Course>,
 
+    /// The state as it was saved.
+    saved: Vec<f64>,
+
     /// Lanes that could not take the step at hand, as bits.
     pub(super) failed: u8,
     /// Newton iterations of the step at hand.
@@ -168,8 +171,43 @@ impl Vector {
             h: [1.0; WIDEST],
             tolerance: [0.0; WIDEST],
             courses: Vec::new(),
+            saved: Vec::new(),
             failed: 0,
             iterations: 0,
         }
+    }
+    /// Saves the state.
+    pub(super) fn save(&mut self) {
+        let mut saved = std::mem::take(&mut self.saved);
+        saved.clear();
+        self.state().into_iter().for_each(|list| saved.extend_from_slice(list));
+        self.saved = saved;
+    }
+
+    /// Goes back to the saved state; what speeds steps up is forgotten.
+    pub(super) fn restore(&mut self) {
+        let saved = std::mem::take(&mut self.saved);
+        let mut left = &saved[..];
+        for list in self.state() {
+            let (own, rest) = left.split_at(list.len());
+            list.copy_from_slice(own);
+            left = rest;
+        }
+        self.saved = saved;
+        self.forget();
+    }
+
+    /// Forgets what speeds steps up, and where motions were.
+    pub(super) fn forget(&mut self) {
+        self.is_foretold = false;
+        self.echo.fill(0.0);
+        self.missed_echo.fill(0.0);
+        self.renewal.forget();
+        self.courses.iter_mut().for_each(Course::forget);
+    }
+
+    fn state(&mut self) -> [&mut Vec<f64>; 6] {
+        let Vector { q, p, v, differences, missed, stiffest, .. } = self;
+        [q, p, v, differences, missed, stiffest]
     }
 }
