@@ -109,6 +109,24 @@ fn put_at<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usiz
 }
 
 impl<L: Lane, const N: usize> Residual<L, N> {
+    /// Half the step's impulse (h/2)f after a correction that leaves no residual: what the correction
+    /// takes from the residual and not from the momentum, which changes by the mass matrix over h.
+    #[inline(always)]
+    fn foretell<const M: usize>(
+        &self,
+        correction: &[L; N],
+        mass: &[L; M],
+        half_h: L,
+        per_h: L,
+    ) -> [L; N] {
+        let mut impulse = multiply::<L, N, M>(mass, correction);
+        for i in 0..N {
+            let taken = per_h.mul_add(impulse[i], self.r[i]);
+            impulse[i] = half_h.mul_sub(self.force[i], taken);
+        }
+        impulse
+    }
+
     /// Makes the residual of momentum and force.
     #[inline(always)]
     fn balance<const Q: usize, const S: usize, const U: usize>(
@@ -126,7 +144,9 @@ impl<L: Lane, const N: usize> Residual<L, N> {
 pub(crate) struct Kept<L, const N: usize, const M: usize> {
     /// The inverse, by rows.
     pub(crate) inverse: [L; M],
-    /// Σ|Jᵢⱼ|·size(j) of each row of the matrix.
+    /// The mass matrix, by rows.
+    pub(crate) mass: [L; M],
+    /// Σ|Jᵢⱼ|·size(j) of each row of the Newton matrix.
     pub(crate) sensitivity: [L; N],
     /// Whether it is there and is to be tried.
     pub(crate) serves: bool,
@@ -163,7 +183,8 @@ pub(crate) fn newton<
         End { delta: start.delta, force: [zero; N], iterations: 0, matrices: 0, failed: L::ALL };
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
     let mut per_scale = [zero; N];
-    let mut force_before = [zero; N];
+    // Half the step's impulse as the last correction foretold it.
+    let mut foretold = [zero; N];
     let mut correction = [zero; N];
     let mut before = L::splat(f64::INFINITY);
     let mut done = 0;
@@ -179,6 +200,8 @@ pub(crate) fn newton<
             kept.inverse = [zero; M];
             let (momentum, force) = (&mut at.momentum, &mut at.force);
             Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut kept.inverse);
+            kept.mass = [zero; M];
+            Sh::mass_matrix(&local.q, constants, &mut kept.mass);
             kept.sensitivity = sensitivities(start, &kept.inverse, balances);
         } else {
             Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
@@ -208,23 +231,26 @@ pub(crate) fn newton<
             for i in 0..N {
                 next[i] = L::choose(told, secant.stretch * next[i], next[i]);
             }
-            // How far the correction moved the half step's impulse: the next one would move it by
-            // as much less as the residual has fallen.
-            let mut moved = zero;
+            // How far the half step's impulse was foretold wrongly: the next time it will be by as
+            // much less as the residual has fallen.
+            let mut missed = zero;
             for i in 0..N {
-                let change = half_h * (at.force[i] - force_before[i]);
-                moved = moved.max(change.abs() * per_scale[i]);
+                let off = half_h.mul_sub(at.force[i], foretold[i]);
+                missed = missed.max(off.abs() * per_scale[i]);
             }
-            let left = moved.max(merit) * merit;
+            foretold = at.foretell(&next, &kept.mass, half_h, per_h);
+            let left = missed.max(merit) * merit;
             let linear = left.less_equal(L::splat(LINEAR_END) * before) & finite & !done;
             if linear != 0 {
                 end.iterations += 1;
                 for i in 0..N {
                     end.delta[i] = L::choose(linear, end.delta[i] - next[i], end.delta[i]);
+                    let force = foretold[i] * (per_h + per_h);
+                    end.force[i] = L::choose(linear, force, end.force[i]);
                 }
             }
-            let mut over = linear;
-            if (done | over) != L::ALL {
+            done |= linear;
+            if done != L::ALL {
                 // The residual hardly falls and the correction is rounding: the floor.
                 let mut largest = zero;
                 for i in 0..N {
@@ -234,10 +260,10 @@ pub(crate) fn newton<
                 let stagnant = (L::splat(0.1) * before).less(merit)
                     & largest.less_equal(L::splat(STAGNATION))
                     & finite;
-                over |= stagnant & !done;
+                let stagnant = stagnant & !done;
+                hold(stagnant, &at.force, &mut end.force);
+                done |= stagnant;
             }
-            hold(over, &at.force, &mut end.force);
-            done |= over;
             let falls = (merit.less(before) & finite) | done;
             if falls != L::ALL {
                 if end.matrices > 0 {
@@ -268,12 +294,14 @@ pub(crate) fn newton<
             }
         } else if finite | done != L::ALL {
             break;
+        } else {
+            foretold = at.foretell(&next, &kept.mass, half_h, per_h);
         }
         end.iterations += 1;
         for i in 0..N {
             end.delta[i] = L::choose(done, end.delta[i], end.delta[i] - next[i]);
         }
-        (correction, force_before, before) = (next, at.force, merit);
+        (correction, before) = (next, merit);
         (renews, is_corrected) = (false, true);
     }
     kept.serves = false;

@@ -16,10 +16,10 @@ use super::vector::Vector;
 use crate::lane::Lane;
 use crate::predict::{FADING, guess};
 
-/// Second differences below this, relative to the coordinates, are rounding.
+/// Third differences below this, relative to the coordinates, are rounding.
 const AUDIBLE: f64 = 1e-13;
-/// Where the second difference of the increments stands among the differences.
-const SECOND: usize = 2;
+/// Where the third difference of the increments stands among the differences.
+const THIRD: usize = 3;
 
 /// The increments of the step at hand, with `known` increments (at least 2) behind it.
 #[inline(always)]
@@ -33,12 +33,12 @@ pub(super) fn foretell<L: Lane, const N: usize, const M: usize>(
         learn(vector, &mut echo, &per_size);
     }
     let (polynomial, least) = guess::<L, N>(known, &vector.differences, &vector.missed);
-    if known <= SECOND + 1 {
+    if known <= THIRD + 1 {
         return polynomial;
     }
     let differences = |k: usize| load::<L, N>(&vector.differences[k * N * L::WIDTH..]);
-    let (lead, mut foretold) = (differences(SECOND), differences(0));
-    for k in 1..=SECOND + 1 {
+    let (lead, mut foretold) = (differences(THIRD), differences(0));
+    for k in 1..=THIRD + 1 {
         let difference = differences(k);
         for i in 0..N {
             foretold[i] = foretold[i] + difference[i];

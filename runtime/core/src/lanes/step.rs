@@ -226,12 +226,14 @@ fn step<
     }
     let mut kept = Kept::<L, N, M> {
         inverse: load(&vector.inverse),
+        mass: load(&vector.mass),
         sensitivity: load(&vector.sensitivity),
         serves: !vector.renewal.begin(vector.h[0]),
     };
     let constants = &vector.constants;
     let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
     store(&kept.inverse, &mut vector.inverse);
+    store(&kept.mass, &mut vector.mass);
     store(&kept.sensitivity, &mut vector.sensitivity);
     if end.matrices > 0 {
         vector.renewal.made(vector.h[0]);

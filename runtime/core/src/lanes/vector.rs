@@ -71,10 +71,12 @@ pub(crate) struct Vector {
     pub(super) missed_echo: [f64; WIDEST],
     pub(super) is_foretold: bool,
 
-    /// The inverse of the Newton matrix that is kept from step to step, by rows; what rounding of the
+    /// The inverse of the Newton matrix that is kept from step to step and the mass matrix, by rows;
+    /// what rounding of the
     /// coordinates does to each equation; steps for which they were made (s), and when they are made
     /// anew.
     pub(super) inverse: Vec<f64>,
+    pub(super) mass: Vec<f64>,
     pub(super) sensitivity: Vec<f64>,
     pub(super) made_for: [f64; WIDEST],
     pub(super) renewal: Renewal,
@@ -155,6 +157,7 @@ impl Vector {
             missed_echo: [0.0; WIDEST],
             is_foretold: false,
             inverse: room(counts.unknowns * counts.unknowns),
+            mass: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
             made_for: [0.0; WIDEST],
             renewal: Renewal::new(PRICE),
