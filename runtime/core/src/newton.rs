@@ -4,6 +4,14 @@
 //! It is the method of [`crate::step`] without its last resorts: lanes go on together until each
 //! has converged, a lane that is done is held still, and if any lane needs a shorter step, another
 //! guess or pivoting, the step is given back to be taken there.
+//!
+//! The matrix is inverted, not factored: a product with an inverse has no chain of divisions and
+//! differences to wait for, and an inverse can learn. It is kept from step to step, learns from every
+//! correction what the matrix has become ([`Secant`]), and is made anew when it has cost as much.
+//!
+//! A step may end with a correction that is not evaluated. What it does to the force is then known
+//! from the equation itself: of the residual that it takes away, what does not change the momentum
+//! changes the impulse. How wrong that has been for the correction before tells whether it will do.
 
 use crate::internal::RATE;
 use crate::lane::Lane;
@@ -471,4 +479,63 @@ fn multiply<L: Lane, const N: usize, const M: usize>(a: &[L; M], x: &[L; N]) -> 
         }
     }
     product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MATRIX: [f64; 9] = [4.0, 1.0, -0.5, 0.8, 3.0, 0.2, -0.4, 0.3, 2.0];
+
+    #[test]
+    fn an_inverse_is_one() {
+        let mut inverse = MATRIX;
+        assert_eq!(invert::<f64, 3, 9>(&mut inverse), 1);
+        for i in 0..3 {
+            let column: [f64; 3] = std::array::from_fn(|k| inverse[k * 3 + i]);
+            let unit = multiply::<f64, 3, 9>(&MATRIX, &column);
+            for (k, x) in unit.into_iter().enumerate() {
+                assert!((x - f64::from(u8::from(k == i))).abs() < 1e-15, "{unit:?}");
+            }
+        }
+        let mut singular = [1.0, 2.0, 2.0, 4.0];
+        assert_eq!(invert::<f64, 2, 4>(&mut singular), 0, "no pivot is left");
+    }
+
+    #[test]
+    fn an_old_inverse_learns_what_corrections_tell() {
+        let mut inverse = MATRIX.map(|x| 1.1 * x);
+        invert::<f64, 3, 9>(&mut inverse);
+        let start = Start::<f64, 3, 3, 0, 0> {
+            q: [0.0; 3],
+            delta: [0.0; 3],
+            p: [0.0; 3],
+            t: 0.0,
+            h: 1.0,
+            rest: [],
+            inputs: [],
+            size: [1.0, 0.1, 1.0],
+            per_size: [1.0, 10.0, 1.0],
+            past: [0.0; 3],
+            tolerance: 0.0,
+        };
+        // The residual r = A·x − b, linear.
+        let mut r = [1.0, -2.0, 0.5];
+        let correction = multiply::<f64, 3, 9>(&inverse, &r);
+        let change = multiply::<f64, 3, 9>(&MATRIX, &correction);
+        for i in 0..3 {
+            r[i] -= change[i];
+        }
+        let mut next = multiply::<f64, 3, 9>(&inverse, &r);
+        let secant = Secant::new(&correction, &next, &start);
+        assert_eq!(secant.is_sound(), 1);
+        next = next.map(|x| secant.stretch * x);
+        secant.teach::<9>(1, &mut inverse, &next);
+        let told = multiply::<f64, 3, 9>(&inverse, &change);
+        let ahead = multiply::<f64, 3, 9>(&inverse, &r);
+        for i in 0..3 {
+            assert!((told[i] - correction[i]).abs() < 1e-14, "the change leads to the correction");
+            assert!((ahead[i] - next[i]).abs() < 1e-14, "and the next one was stretched rightly");
+        }
+    }
 }

@@ -96,9 +96,10 @@ pub(crate) fn guess<L: Lane, const N: usize>(
     let missed_by = |degree: usize| L::load(&missed[(degree - 1) * L::WIDTH..]);
     // Lanes in which each degree is taken, as bits: the quadratic unless another is better.
     let mut least = missed_by(2);
-    let mut taken = [0, L::ALL, 0, 0, 0];
-    for degree in [1, 3, 4, 5] {
-        if degree < known {
+    let mut taken = [0; DEGREES];
+    taken[1] = L::ALL;
+    for degree in 1..=DEGREES {
+        if degree != 2 && degree < known {
             let better = missed_by(degree).less(least);
             least = least.min(missed_by(degree));
             for other in &mut taken {

@@ -2,14 +2,14 @@
 //!
 //! Stiff strands make a model vibrate faster than the polynomials of [`crate::predict`] can follow.
 //! Linear vibration obeys, from step to step, ∇²Δ₁ = −B·Δ₀ with a matrix B = (M + h²K/4)⁻¹h²K for the
-//! midpoint rule. A motion that is such a vibration and a slow part which ∇² makes linear is foretold
-//! by
+//! midpoint rule. A motion that is such a vibration and a slow part whose increments are quadratic in
+//! time obeys ∇⁵Δ₁ = −B·∇³Δ₀, and is foretold by
 //!
-//! Δ₁ = Δ₀ + ∇Δ₀ + ∇²Δ₀ + ∇³Δ₀ − B·∇²Δ₀,
+//! Δ₁ = Δ₀ + ∇Δ₀ + ∇²Δ₀ + ∇³Δ₀ + ∇⁴Δ₀ − B·∇³Δ₀,
 //!
-//! the cubic guess and a term in B. B is not computed but learned from what the guess has missed, by
-//! the smallest change that would have foretold the last step (Kaczmarz' projection), so that it
-//! follows the motion through its configurations.
+//! the guess of highest degree and a term in B. B is not computed but learned from what the guess has
+//! missed, by the smallest change that would have foretold the last step (Kaczmarz' projection), so
+//! that it follows the motion through its configurations.
 
 use super::step::{load, store};
 use super::vector::Vector;
@@ -92,4 +92,47 @@ fn learn<L: Lane, const N: usize, const M: usize>(
         }
     }
     store(echo, &mut vector.echo);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::vector::Counts;
+    use super::*;
+    use crate::predict::{DEGREES, shift};
+
+    /// Increments of two vibrations of 0.9 and 0.4 rad a step, along directions that are not
+    /// orthogonal, and a slow motion.
+    fn increments(step: usize) -> [f64; 2] {
+        let t = step as f64;
+        let (fast, slow) = (1e-4 * (0.9 * t).cos(), 1e-4 * (0.4 * t + 1.0).cos());
+        let drift = 1e-3 * (1e-3 * t).sin();
+        [fast + 0.3 * slow + drift, -0.5 * fast + slow - 2.0 * drift]
+    }
+
+    #[test]
+    fn vibrations_are_learned() {
+        let counts = Counts { unknowns: 2, coordinates: 2, strands: 0, inputs: 0 };
+        let mut vector = Vector::new(0, [1, 1], &counts);
+        vector.per_size = vec![1.0; 2];
+        let mut missed = Vec::new();
+        for step in 0..400 {
+            let now = increments(step);
+            if step >= 2 {
+                let guess: [f64; 2] = foretell::<f64, 2, 4>(&mut vector, step);
+                missed.push((guess[0] - now[0]).abs().max((guess[1] - now[1]).abs()));
+            }
+            let mut misses = [0.0; DEGREES];
+            for i in 0..2 {
+                let next = shift(now[i], &mut vector.differences[i..], 2);
+                (0..DEGREES).for_each(|k| misses[k] += next[k] * next[k]);
+            }
+            for (k, miss) in misses.into_iter().enumerate() {
+                vector.missed[k] = miss + FADING * vector.missed[k];
+            }
+        }
+        let worst = |range: &[f64]| range.iter().copied().fold(0.0, f64::max);
+        let (early, late) = (worst(&missed[6..16]), worst(&missed[300..]));
+        assert!(early > 1e-6, "the polynomials alone: {early:e}");
+        assert!(late < 1e-11, "what was learned: {late:e}");
+    }
 }

@@ -5,8 +5,9 @@ use crate::lane::WIDEST;
 use crate::predict::DEGREES;
 use crate::step::Renewal;
 
-/// Corrections that cost as much as a new inverse: the matrix takes about as long as the equations.
-const PRICE: f64 = 1.5;
+/// Corrections that cost as much as a new inverse. Evaluating the matrix takes about as long as two of
+/// them, inverting it another; and an old inverse learns from its corrections.
+const PRICE: f64 = 4.0;
 
 /// Pairs of a run and a block of one shape, each in a lane, with everything that their steps read and
 /// write. Every list holds its first number in all lanes, then its second, and so on.
