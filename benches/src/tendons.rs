@@ -90,7 +90,7 @@ const ELEMENTS: [Element; 9] = [
     },
 ];
 
-const MUSCLE: &str = "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; muscle = thelen2003; max_force = 20 N; optimal_fibre = 80 mm; tendon_slack = 120 mm; pennation = 5 deg; excitation = 0.2; }";
+const MUSCLE: &str = "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; muscle = thelen2003; max_force = 20 N; optimal_fibre = 80 mm; tendon_slack = 120 mm; pennation = 5 deg; excitation = 0.2 + 0.1 * sin(9 rad/s * t); }";
 
 /// Elements in one model.
 const TOGETHER: usize = 4;
