@@ -112,7 +112,7 @@ fn bound(answer: &Answer, all: &[Answer]) -> f64 {
     let rounding = |which: usize| beside("rounding").map_or(0.0, |a| FLOOR * a.values[which]);
     let what = answer.what.split(' ').nth(2).unwrap_or_default();
     let floor = match what {
-        "q" => FLOOR * f64::EPSILON,
+        "q" => rounding(2),
         "p" => rounding(0),
         "lambda" => rounding(1),
         // ½pᵀM⁻¹p, of momenta that far off.

@@ -87,8 +87,8 @@ pub fn answer<M: Model + Clone>(model: M, request: &Request) -> Vec<Answer> {
         say(format!("step {k} p"), &simulation.state.p);
         say(format!("step {k} lambda"), &simulation.state.lambda);
         say(format!("step {k} energy"), &[simulation.energy()]);
-        let [impulse, multiplier] = rounding(&mut simulation, &before, &inputs, &rest);
-        say(format!("step {k} rounding"), &[impulse, multiplier]);
+        let rounding = rounding(&mut simulation, &before, &inputs, &rest);
+        say(format!("step {k} rounding"), &rounding);
     }
     let scenario = simulation.scenario();
     for (k, point) in request.points.iter().enumerate() {
@@ -99,16 +99,17 @@ pub fn answer<M: Model + Clone>(model: M, request: &Request) -> Vec<Answer> {
     out
 }
 
-/// What one unit of rounding in the coordinates does to the momenta and to the multipliers of a
-/// step. In the momenta: Σ|K||q| of the worst row of the step's matrix. Constraints that say nearly
-/// the same stretch the rounding of the coordinates: by Σ|G||q| of a row of their Jacobian over the
-/// part of it that no other row has. Over the shortest such part momenta become multipliers.
+/// What one unit of rounding in the coordinates does to the momenta, to the multipliers and to the
+/// coordinates of a step. In the momenta: Σ|K||q| of the worst row of the step's matrix. Constraints
+/// that say nearly the same stretch the rounding of the coordinates: by Σ|G||q| of a row of their
+/// Jacobian over the part of it that no other row has. Over the shortest such part momenta become
+/// multipliers.
 fn rounding<M: Model>(
     simulation: &mut Simulation<M>,
     before: &State,
     inputs: &[f64],
     rest: &[f64],
-) -> [f64; 2] {
+) -> [f64; 3] {
     let (h, after) = (simulation.h, simulation.state.clone());
     let layout = simulation.layout().clone();
     let n = after.q.len();
@@ -141,8 +142,8 @@ fn rounding<M: Model>(
             }
         }
     }
-    let impulse = impulse * stretch * f64::EPSILON;
-    [impulse, impulse / shortest]
+    let stretched = stretch * f64::EPSILON;
+    [impulse * stretched, impulse * stretched / shortest, stretched]
 }
 
 /// Length of the part of a row that lies outside the span of the others (Gram and Schmidt).

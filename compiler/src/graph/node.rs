@@ -27,12 +27,48 @@ pub enum Leaf {
     Value(u32),
     /// An entry of the table of constants by which like blocks differ.
     Constant(u32),
+    /// An element of an array of a linear system.
+    System(SystemArray, u32),
     /// The length of a strand by index (m), opaque: for expressions that mention it.
     Length(u32),
     /// What the strand whose law mentions it does, opaque as [`Leaf::Length`].
     Own(Own),
     /// What a strand by index does, opaque as [`Leaf::Length`].
     Strand(StrandQuantity, u32),
+}
+
+/// What the code of a linear system reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SystemArray {
+    /// The packed Newton matrix.
+    Matrix,
+    /// The packed constraint Jacobian at the beginning of the step.
+    Before,
+    /// That at its end.
+    After,
+    /// Sizes of the coordinates.
+    Size,
+    /// Factors made before.
+    Factors,
+    /// Residuals of the coordinates.
+    Residual,
+    /// Gaps of the rows.
+    Gaps,
+}
+
+impl SystemArray {
+    /// Its name as an argument.
+    pub fn name(self) -> &'static str {
+        match self {
+            SystemArray::Matrix => "matrix",
+            SystemArray::Before => "before",
+            SystemArray::After => "after",
+            SystemArray::Size => "size",
+            SystemArray::Factors => "factors",
+            SystemArray::Residual => "residual",
+            SystemArray::Gaps => "gaps",
+        }
+    }
 }
 
 /// Functions of one operand.

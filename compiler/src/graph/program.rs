@@ -48,7 +48,9 @@ pub fn variable(leaf: Leaf) -> Option<Variable> {
         Leaf::Length(i) => Variable::Length(i),
         Leaf::Own(own) => Variable::Own(own),
         Leaf::Strand(quantity, i) => Variable::Strand(quantity, i),
-        Leaf::Rest(_) | Leaf::Step | Leaf::Value(_) | Leaf::Constant(_) => return None,
+        Leaf::Rest(_) | Leaf::Step | Leaf::Value(_) | Leaf::Constant(_) | Leaf::System(..) => {
+            return None;
+        }
     })
 }
 

@@ -1,15 +1,15 @@
-//! Making like blocks alike: numbers in which they differ become unknowns before staging.
+//! Making like parts alike: numbers in which they differ become unknowns before staging.
 //!
 //! A finger whose tendon runs in its plane has a zero where its neighbours have an offset; staged as
-//! it is, its equations lack terms and are no instance of theirs. Where blocks have the same links,
+//! it is, its equations lack terms and are no instance of theirs. Where parts have the same links,
 //! bodies and strands, every number that is not the same in all of them is therefore staged as a
-//! parameter of its own, whose value is put back when the blocks' expressions have been compared.
+//! parameter of its own, whose value is put back when the parts' expressions have been compared.
 
 use handc_runtime::expression::{Operation, Variable};
 use handc_runtime::mechanism::{Law, Mechanism, Motion, Number, Param, SurfaceForm};
 use handc_runtime::structure::Structure;
 
-/// A mechanism with unknowns for the numbers in which like blocks differ.
+/// A mechanism with unknowns for the numbers in which like parts differ.
 pub(super) struct Harmony {
     /// The mechanism; its parameters go on beyond those of the original.
     pub(super) mechanism: Mechanism,
@@ -17,7 +17,7 @@ pub(super) struct Harmony {
     pub(super) added: Vec<f64>,
 }
 
-/// An element that belongs to a block, by index.
+/// An element that belongs to a part, by index.
 #[derive(Clone, Copy)]
 enum Element {
     Coordinate(usize),
@@ -27,17 +27,17 @@ enum Element {
     Force(usize),
 }
 
-/// Replaces what differs; `None` where no two blocks are alike.
+/// Replaces what differs; `None` where no two parts are alike.
 pub(super) fn harmonise(mechanism: &Mechanism, structure: &Structure) -> Option<Harmony> {
-    let blocks: Vec<(Vec<Element>, Vec<i64>)> = (0..structure.blocks.len())
-        .filter(|&b| structure.blocks[b].rows.is_empty())
-        .map(|b| describe(mechanism, structure, b))
+    let parts: Vec<(Vec<Element>, Vec<i64>)> = super::parts(&structure.blocks)
+        .iter()
+        .map(|part| describe(mechanism, structure, part.coordinates))
         .collect();
     let mut groups: Vec<Vec<&(Vec<Element>, Vec<i64>)>> = Vec::new();
-    for block in &blocks {
-        match groups.iter_mut().find(|group| group[0].1 == block.1) {
-            Some(group) => group.push(block),
-            None => groups.push(vec![block]),
+    for part in &parts {
+        match groups.iter_mut().find(|group| group[0].1 == part.1) {
+            Some(group) => group.push(part),
+            None => groups.push(vec![part]),
         }
     }
     groups.retain(|group| group.len() > 1);
@@ -55,7 +55,7 @@ pub(super) fn harmonise(mechanism: &Mechanism, structure: &Structure) -> Option<
 }
 
 impl Harmony {
-    /// One element of each block.
+    /// One element of each part.
     fn elements(&mut self, elements: &[Element]) {
         let count = numbers(&mut self.mechanism, elements[0]).len();
         for place in 0..count {
@@ -89,14 +89,13 @@ impl Harmony {
     }
 }
 
-/// The elements of a block, and what must agree for two blocks to be alike.
+/// The elements of a part, and what must agree for two parts to be alike.
 fn describe(
     mechanism: &Mechanism,
     structure: &Structure,
-    block: usize,
+    coordinates: &[usize],
 ) -> (Vec<Element>, Vec<i64>) {
-    let coordinates = &structure.blocks[block].coordinates;
-    // Links of the block by their place in it; others, which drives move, by their own index.
+    // Links of the part by their place in it; others, which drives move, by their own index.
     let local = |link: Option<u32>| -> i64 {
         let Some(link) = link else { return -1 };
         let coordinate = mechanism.links[link as usize].coordinate as usize;

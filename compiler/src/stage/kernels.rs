@@ -1,5 +1,6 @@
-//! The mechanics as tasks: per block, and for the whole model where a function has no blocks.
+//! The mechanics as tasks: per part of a block, and for the whole model where a function has none.
 
+use super::parts::{self, parts_of_strands};
 use super::symbols::Symbols;
 use super::{Module, Task};
 use crate::emit::{Output, Place};
@@ -7,7 +8,6 @@ use crate::graph::{Leaf, Sym};
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Law;
-use handc_runtime::structure::Structure;
 
 /// The results of a kernel as outputs to `array`, labelled by `label`; zeros are left out where the
 /// caller's array is known to be clear.
@@ -49,8 +49,8 @@ pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
     tasks
 }
 
-/// Those of every block, by number.
-pub(super) fn blocks(symbols: &Symbols) -> Vec<Task> {
+/// Those of every part, by number.
+pub(super) fn parts(symbols: &Symbols) -> Vec<Task> {
     let structure = symbols.structure;
     let (mechanics, at) = (symbols.mechanics(), symbols.at());
     let mut workspace = symbols.workspace();
@@ -65,24 +65,23 @@ pub(super) fn blocks(symbols: &Symbols) -> Vec<Task> {
     mechanics.strand_lengths(&mut workspace, &symbols.q, &mut lengths);
     let name = |coordinate: usize| symbols.mechanism.coordinates[coordinate].name.clone();
     let mut tasks = Vec::new();
-    for (number, block) in structure.blocks.iter().enumerate() {
-        let count = block.coordinates.len();
-        let range = block.matrix_offset..block.matrix_offset + count * count;
+    let part_of = parts_of_strands(structure);
+    for (number, part) in parts::parts(&structure.blocks).into_iter().enumerate() {
         let pick = |values: &[Sym]| -> Vec<(usize, Sym)> {
-            block.coordinates.iter().map(|&c| (c, values[c])).collect()
+            part.coordinates.iter().map(|&c| (c, values[c])).collect()
         };
         let packed = |array, values: &[Sym]| {
-            outputs(array, range.clone().map(|slot| (slot, values[slot])), false, |slot| {
-                name(block.coordinates[(slot - block.matrix_offset) / count])
+            outputs(array, part.slots().map(|slot| (slot, values[slot])), false, |slot| {
+                name(part.coordinates[part.entry(slot).0])
             })
         };
         let mut vectors = outputs("momentum", pick(&momentum), true, name);
         vectors.extend(outputs("force", pick(&force), true, name));
         let mut all = vectors.clone();
         all.extend(packed("matrix", &matrix));
-        let about = about_block(symbols, &block.coordinates);
+        let about = about_part(symbols, part.coordinates);
         let task = |name, opening: &str, outputs| Task {
-            module: Module::Block(number),
+            module: Module::Part(number),
             name,
             doc: std::iter::once(opening.to_owned()).chain(about.clone()).collect(),
             outputs,
@@ -99,7 +98,7 @@ pub(super) fn blocks(symbols: &Symbols) -> Vec<Task> {
         ));
         tasks.push(task("mass_matrix", "Mass matrix M = ∂²L/∂v².", packed("matrix", &mass)));
         let own = (0..lengths.len())
-            .filter(|&strand| block_of_strand(structure, strand) == Some(number))
+            .filter(|&strand| part_of[strand] == Some(number))
             .map(|strand| (strand, lengths[strand]));
         tasks.push(task(
             "lengths",
@@ -110,14 +109,8 @@ pub(super) fn blocks(symbols: &Symbols) -> Vec<Task> {
     tasks
 }
 
-/// The block whose coordinates a strand spans; `None` if all of them are kinematic.
-fn block_of_strand(structure: &Structure, strand: usize) -> Option<usize> {
-    let coordinates = &structure.strands[strand].coordinates;
-    coordinates.iter().find_map(|&c| structure.slots[c].map(|(block, _)| block))
-}
-
-/// What acts in a block, with source lines.
-fn about_block(symbols: &Symbols, coordinates: &[usize]) -> Vec<String> {
+/// What acts in a part, with source lines.
+fn about_part(symbols: &Symbols, coordinates: &[usize]) -> Vec<String> {
     let mechanism = symbols.mechanism;
     let structure = symbols.structure;
     let touches = |others: &[usize]| others.iter().any(|c| coordinates.contains(c));
@@ -178,9 +171,8 @@ fn strands(symbols: &Symbols) -> Vec<Task> {
     let list: Vec<String> = mechanism.strands.iter().map(|s| cited(&s.name, &s.source)).collect();
     let about: Vec<String> =
         sentence("Strands", list).into_iter().flat_map(|line| [String::new(), line]).collect();
-    let outside = (0..strands)
-        .filter(|&s| block_of_strand(symbols.structure, s).is_none())
-        .map(|s| (s, lengths[s]));
+    let part_of = parts_of_strands(symbols.structure);
+    let outside = (0..strands).filter(|&s| part_of[s].is_none()).map(|s| (s, lengths[s]));
     let task = |name, opening: &str, outputs| Task {
         module: Module::Strands,
         name,

@@ -1,7 +1,7 @@
 //! Staging: the mechanics run once on symbols, and what comes out sorted into functions.
 //!
-//! The compiler is the interpreter run on symbols. [`kernels`] runs the equations of motion block
-//! by block, [`time`] the functions of time and the scenarios, [`hoist`] takes out what depends on
+//! The compiler is the interpreter run on symbols. [`kernels`] runs the equations of motion part
+//! by part, [`time`] the functions of time and the scenarios, [`hoist`] takes out what depends on
 //! parameters alone so that it is computed when they change and not in every step. The result is a
 //! list of [`Task`]s, each one function to be, in the module where a reader would look for it.
 
@@ -9,8 +9,10 @@ mod harmony;
 mod hoist;
 mod kernels;
 mod labels;
+mod parts;
 mod shapes;
 mod symbols;
+mod systems;
 #[cfg(test)]
 pub(crate) mod tests;
 mod time;
@@ -20,19 +22,23 @@ use crate::graph::{Leaf, Sym};
 use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Mechanism;
 use handc_runtime::structure::Structure;
-pub use shapes::{BlockPlace, Shape, shared};
+pub use parts::{Part, parts};
+pub use shapes::{PartPlace, Shape, shared};
 use std::collections::HashMap;
 pub use symbols::Symbols;
+pub use systems::System;
 
 /// Where a function stands in the generated crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Module {
-    /// Momentum, force, matrices and strand lengths of like blocks, by number of their shape.
-    Block(usize),
+    /// Momentum, force, matrices and strand lengths of like parts of blocks, by number of their shape.
+    Part(usize),
     /// Lengths and moment arms.
     Strands,
     /// Rows and their derivatives.
     Constraints,
+    /// The linear system of a constrained block, by number of the system.
+    System(usize),
     /// Potential energy.
     Energy,
     /// Poses of named frames.
@@ -63,8 +69,10 @@ pub struct Task {
 pub struct Staged {
     /// Functions in order of their modules; those without results are left out.
     pub tasks: Vec<Task>,
-    /// Like blocks.
+    /// Like parts of blocks.
     pub shapes: Vec<Shape>,
+    /// Linear systems that are written out.
+    pub systems: Vec<System>,
     /// How many numbers follow from parameters.
     pub values: usize,
     /// Numbers of each scenario that may depend on parameters, in the order of
@@ -78,8 +86,13 @@ pub use time::scenario_numbers;
 pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
     let symbols = Symbols::new(mechanism, structure);
     labels::prepare(mechanism, &symbols);
-    let (mut shapes, mut tasks) = blocks(mechanism, &symbols);
-    tasks.extend(kernels::tasks(&symbols));
+    let parts = kernels::parts(&symbols);
+    let of_model = kernels::tasks(&symbols);
+    let all: Vec<Task> = parts.iter().chain(&of_model).cloned().collect();
+    let (systems, of_systems) = systems::systems(structure, &all);
+    let (mut shapes, mut tasks) = like_parts(mechanism, &symbols, &parts);
+    tasks.extend(of_model);
+    tasks.extend(of_systems);
     tasks.extend(time::tasks(&symbols));
     let mut scenario_numbers: Vec<Vec<_>> =
         mechanism.scenarios.iter().map(|s| time::numbers(&symbols, s)).collect();
@@ -87,24 +100,23 @@ pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
     let values = hoist::hoist(&mut tasks, scenario_numbers.iter_mut().chain(tables).collect());
     tasks.retain(|task| !task.outputs.is_empty());
     tasks.sort_by_key(|task| task.module);
-    Staged { tasks, shapes, values, scenario_numbers }
+    Staged { tasks, shapes, systems, values, scenario_numbers }
 }
 
-/// The equations of all blocks, like ones merged.
-fn blocks(mechanism: &Mechanism, symbols: &Symbols) -> (Vec<Shape>, Vec<Task>) {
+/// The equations of all parts of blocks, like ones merged.
+fn like_parts(mechanism: &Mechanism, symbols: &Symbols, tasks: &[Task]) -> (Vec<Shape>, Vec<Task>) {
     let structure = symbols.structure;
-    let tasks = kernels::blocks(symbols);
     let Some(harmony) = harmony::harmonise(mechanism, structure) else {
-        return shapes::merge(&tasks, &tasks, &HashMap::new(), structure);
+        return shapes::merge(tasks, tasks, &HashMap::new(), structure);
     };
     let alike = Structure::new(&harmony.mechanism);
     if alike.blocks != structure.blocks {
-        return shapes::merge(&tasks, &tasks, &HashMap::new(), structure);
+        return shapes::merge(tasks, tasks, &HashMap::new(), structure);
     }
     let symbols = Symbols::new(&harmony.mechanism, &alike);
     labels::prepare(&harmony.mechanism, &symbols);
     let first = mechanism.params.len() as u32;
     let unknown = |(k, &value)| (Sym::leaf(Leaf::Param(first + k as u32)), Sym::constant(value));
     let unknowns = harmony.added.iter().enumerate().map(unknown).collect();
-    shapes::merge(&tasks, &kernels::blocks(&symbols), &unknowns, structure)
+    shapes::merge(tasks, &kernels::parts(&symbols), &unknowns, structure)
 }

@@ -363,7 +363,8 @@ fn check(mechanism: Mechanism) {
             Leaf::Time => T,
             Leaf::Step => H,
             Leaf::Length(_) | Leaf::Own(_) | Leaf::Strand(..) => panic!("{leaf:?} is left"),
-            Leaf::Constant(i) => panic!("constant {i} stands outside of a block"),
+            Leaf::Constant(i) => panic!("constant {i} stands outside of a part"),
+            Leaf::System(..) => panic!("{leaf:?} stands outside of a system"),
         };
         // A block's own numbering, and its constants.
         let read_in = |shape: &Shape, block: usize, leaf: Leaf| {
@@ -381,7 +382,7 @@ fn check(mechanism: Mechanism) {
         let in_blocks = |name: &str, array: &str, size: usize| -> Vec<f64> {
             let mut found = vec![0.0; size];
             for task in staged.tasks.iter().filter(|t| t.name == name) {
-                let Module::Block(number) = task.module else { continue };
+                let Module::Part(number) = task.module else { continue };
                 let shape = &staged.shapes[number];
                 let symbols: Vec<Sym> = task.outputs.iter().map(|output| output.value).collect();
                 for (block, place) in shape.places.iter().enumerate() {
@@ -389,7 +390,10 @@ fn check(mechanism: Mechanism) {
                     for (output, value) in task.outputs.iter().zip(results) {
                         let Place::Element { array: own, index } = output.place else { continue };
                         let index = match own {
-                            "matrix" => structure.blocks[place.block].matrix_offset + index,
+                            "matrix" => {
+                                let [first, width] = place.matrix;
+                                first + index / shape.unknowns * width + index % shape.unknowns
+                            }
                             "lengths" => place.strands[index],
                             _ => place.coordinates[index],
                         };

@@ -122,8 +122,8 @@ pub fn layout() -> Layout {
         ],
         rows: vec![],
         blocks: vec![
-            Block { coordinates : vec![0, 1, 2], rows : vec![], parts : vec![vec![0, 1,
-            2]], matrix_offset : 0, constraint_offset : 0, }
+            Block { coordinates : vec![0, 1, 2], rows : vec![], parts : vec![3],
+            matrix_offset : 0, constraint_offset : 0, }
         ],
         scenarios: vec![
             ScenarioLayout { name : "track".into(), driven : vec![], follow : vec![Follow

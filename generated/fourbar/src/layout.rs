@@ -92,8 +92,8 @@ pub fn layout() -> Layout {
             .into() }
         ],
         blocks: vec![
-            Block { coordinates : vec![0, 1, 2], rows : vec![0, 1], parts : vec![vec![0,
-            1], vec![2]], matrix_offset : 0, constraint_offset : 0, }
+            Block { coordinates : vec![0, 1, 2], rows : vec![0, 1], parts : vec![2, 1],
+            matrix_offset : 0, constraint_offset : 0, }
         ],
         scenarios: vec![
             ScenarioLayout { name : "fall".into(), driven : vec![], follow : vec![],

@@ -18,6 +18,7 @@ pub mod frames;
 pub mod layout;
 pub mod parameters;
 pub mod scenarios;
+pub mod systems;
 pub mod time;
 pub use handc_core;
 pub use model::Fourbar;

@@ -3,9 +3,13 @@
 //! The model as the integrator sees it.
 
 use crate::{constraints, energy, scenarios, time};
+use crate::blocks::Blocks;
+use crate::systems::SYSTEMS;
+use handc_core::system::System;
 use crate::Grasp;
 use crate::layout::scenario;
 use handc_core::array::{sized, sized_mut};
+use handc_core::lanes::{LaneVisitor, RUNS};
 use handc_core::layout::Layout;
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;
@@ -22,6 +26,10 @@ impl Model for Grasp {
     fn set_param(&mut self, index: usize, value: f64) {
         self.params[index] = value;
         self.update();
+    }
+
+    fn systems() -> &'static [System] {
+        &SYSTEMS
     }
 
     fn evaluate(&mut self, at: &Midpoint, momentum: &mut [f64], force: &mut [f64]) {
@@ -45,6 +53,18 @@ impl Model for Grasp {
 
     fn strand_lengths(&mut self, q: &[f64], lengths: &mut [f64]) {
         *sized_mut(lengths) = Grasp::strand_lengths(self, sized(q));
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    fn on_lanes(models: &[&Self], visitor: &mut impl LaneVisitor) -> bool {
+        let mut of = [&models[0].blocks; RUNS];
+        for (place, model) in of.iter_mut().zip(models) {
+            *place = &model.blocks;
+        }
+        Blocks::on_lanes(&of, visitor)
     }
 
     fn constraints(&mut self, q: &[f64], _t: f64, _rest: &[f64], rows: &mut [f64]) {

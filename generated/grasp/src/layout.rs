@@ -425,9 +425,8 @@ pub fn layout() -> Layout {
         blocks: vec![
             Block { coordinates : vec![0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
             15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25], rows : vec![0, 1, 2, 3, 4, 5, 6,
-            7, 8, 9, 10, 11, 12, 13, 14], parts : vec![vec![0, 1, 2, 3], vec![4, 5, 6,
-            7], vec![8, 9, 10, 11], vec![12, 13, 14, 15], vec![16, 17, 18, 19], vec![20,
-            21, 22, 23, 24, 25]], matrix_offset : 0, constraint_offset : 0, }
+            7, 8, 9, 10, 11, 12, 13, 14], parts : vec![4, 4, 4, 4, 4, 6], matrix_offset :
+            0, constraint_offset : 0, }
         ],
         scenarios: vec![
             ScenarioLayout { name : "hold".into(), driven : vec![], follow : vec![Follow

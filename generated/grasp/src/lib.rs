@@ -21,6 +21,7 @@ pub mod layout;
 pub mod parameters;
 pub mod scenarios;
 pub mod strands;
+pub mod systems;
 pub mod time;
 pub mod values;
 pub use handc_core;

@@ -348,16 +348,14 @@ pub fn layout() -> Layout {
         ],
         rows: vec![],
         blocks: vec![
-            Block { coordinates : vec![0, 1, 2, 3], rows : vec![], parts : vec![vec![0,
-            1, 2, 3]], matrix_offset : 0, constraint_offset : 0, }, Block { coordinates :
-            vec![4, 5, 6, 7], rows : vec![], parts : vec![vec![0, 1, 2, 3]],
-            matrix_offset : 16, constraint_offset : 0, }, Block { coordinates : vec![8,
-            9, 10, 11], rows : vec![], parts : vec![vec![0, 1, 2, 3]], matrix_offset :
-            32, constraint_offset : 0, }, Block { coordinates : vec![12, 13, 14, 15],
-            rows : vec![], parts : vec![vec![0, 1, 2, 3]], matrix_offset : 48,
+            Block { coordinates : vec![0, 1, 2, 3], rows : vec![], parts : vec![4],
+            matrix_offset : 0, constraint_offset : 0, }, Block { coordinates : vec![4, 5,
+            6, 7], rows : vec![], parts : vec![4], matrix_offset : 16, constraint_offset
+            : 0, }, Block { coordinates : vec![8, 9, 10, 11], rows : vec![], parts :
+            vec![4], matrix_offset : 32, constraint_offset : 0, }, Block { coordinates :
+            vec![12, 13, 14, 15], rows : vec![], parts : vec![4], matrix_offset : 48,
             constraint_offset : 0, }, Block { coordinates : vec![16, 17, 18, 19], rows :
-            vec![], parts : vec![vec![0, 1, 2, 3]], matrix_offset : 64, constraint_offset
-            : 0, }
+            vec![], parts : vec![4], matrix_offset : 64, constraint_offset : 0, }
         ],
         scenarios: vec![
             ScenarioLayout { name : "close".into(), driven : vec![], follow : vec![Follow

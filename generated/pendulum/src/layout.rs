@@ -63,8 +63,8 @@ pub fn layout() -> Layout {
         requirements: vec![],
         rows: vec![],
         blocks: vec![
-            Block { coordinates : vec![0], rows : vec![], parts : vec![vec![0]],
-            matrix_offset : 0, constraint_offset : 0, }
+            Block { coordinates : vec![0], rows : vec![], parts : vec![1], matrix_offset
+            : 0, constraint_offset : 0, }
         ],
         scenarios: vec![
             ScenarioLayout { name : "swing".into(), driven : vec![], follow : vec![],

@@ -156,8 +156,7 @@ pub fn layout() -> Layout {
         ],
         blocks: vec![
             Block { coordinates : vec![0, 1, 2, 3, 4, 5, 6], rows : vec![0, 1, 2, 3, 4,
-            5], parts : vec![vec![0, 1], vec![2], vec![3, 4], vec![5, 6]], matrix_offset
-            : 0, constraint_offset : 0, }
+            5], parts : vec![2, 1, 2, 2], matrix_offset : 0, constraint_offset : 0, }
         ],
         scenarios: vec![
             ScenarioLayout { name : "run".into(), driven : vec![], follow : vec![],

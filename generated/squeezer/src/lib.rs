@@ -19,6 +19,7 @@ pub mod layout;
 pub mod parameters;
 pub mod scenarios;
 pub mod strands;
+pub mod systems;
 pub mod time;
 pub use handc_core;
 pub use model::Squeezer;

@@ -1,5 +1,7 @@
 //! Names, units and shape of a model: what tools ask and what the integrator indexes by.
 
+use std::ops::Range;
+
 /// What a coordinate measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateKind {
@@ -98,13 +100,12 @@ pub struct ConstraintRow {
 /// forces and constraints. Kinematic coordinates belong to none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
-    /// Coordinates by index, ascending.
+    /// Coordinates by index, part by part, ascending in each.
     pub coordinates: Vec<usize>,
     /// Constraint rows by index, ascending.
     pub rows: Vec<usize>,
-    /// Positions in `coordinates` that the Newton matrix couples without the help of constraints;
-    /// each position stands in one part.
-    pub parts: Vec<Vec<usize>>,
+    /// How many coordinates, in order, the Newton matrix couples without the help of constraints.
+    pub parts: Vec<usize>,
     /// Where the block's matrices start in packed storage.
     pub matrix_offset: usize,
     /// Where the block's constraint Jacobian starts in packed storage.
@@ -112,6 +113,14 @@ pub struct Block {
 }
 
 impl Block {
+    /// The positions in `coordinates` of each part.
+    pub fn part_ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.parts.iter().scan(0, |first, count| {
+            *first += count;
+            Some(*first - count..*first)
+        })
+    }
+
     /// The coordinates that are not driven: position in the block, index in the model.
     pub fn free(&self, driven: &[bool]) -> Vec<(usize, usize)> {
         let all = self.coordinates.iter().copied().enumerate();

@@ -35,5 +35,6 @@ pub mod start;
 mod statics;
 pub mod step;
 mod suggest;
+pub mod system;
 pub mod together;
 pub mod trajectory;

@@ -7,6 +7,7 @@
 
 use crate::lanes::LaneVisitor;
 use crate::layout::{Layout, ScenarioLayout};
+use crate::system::System;
 use std::sync::Arc;
 
 /// Where a step's forces are evaluated: the midpoint rule's point.
@@ -139,6 +140,15 @@ pub trait Model {
 
     /// The numbers that the layout's requirements are about, in their order.
     fn required_numbers(&mut self, _numbers: &mut [f64]) {}
+
+    /// Straight-line code for the linear systems of constrained blocks, in order of the blocks, as far
+    /// as there is such code.
+    fn systems() -> &'static [System]
+    where
+        Self: Sized,
+    {
+        &[]
+    }
 
     /// A stamp of the parameters: no two sets of them, in this model or another of its kind, bear
     /// the same.

@@ -1,18 +1,19 @@
-//! Shapes: the step equations that like blocks share.
+//! Shapes: the step equations that like parts of blocks share.
 //!
 //! The fingers of a hand obey the same equations with other constants. A compiled model writes them
-//! once, generic over the [`Lane`], and says for each block where its numbers stand ([`Place`]) and
-//! what its constants are. Here is how one block is evaluated number by number; a private module
-//! takes steps of several blocks at once.
+//! once, generic over the [`Lane`], and says for each part of a block where its numbers stand
+//! ([`Place`]) and what its constants are. A part is what the Newton matrix couples without the help
+//! of constraints; a block without constraints is one part. Here is how one part is evaluated number
+//! by number; a private module works on several at once.
 
 use crate::array::sized_mut;
 use crate::lane::Lane;
 use crate::model::Midpoint;
 
-/// Where the numbers of a block stand in the model's vectors.
+/// Where the numbers of a part stand in the model's vectors.
 ///
-/// `Q` coordinates, of which the block's own come first and kinematic ones after them; `S` strands;
-/// `U` inputs.
+/// `Q` coordinates, of which the part's own come first and others that it reads after them; `S`
+/// strands; `U` inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place<const Q: usize, const S: usize, const U: usize> {
     /// Coordinates by index.
@@ -21,11 +22,13 @@ pub struct Place<const Q: usize, const S: usize, const U: usize> {
     pub strands: [usize; S],
     /// Inputs by index.
     pub inputs: [usize; U],
-    /// Where the block's matrix starts in packed storage.
+    /// Where the part's matrix starts in packed storage.
     pub matrix: usize,
+    /// How far its rows are apart there: the number of coordinates of its block.
+    pub width: usize,
 }
 
-/// The midpoint of a step, in the block's own order.
+/// The midpoint of a step, in the part's own order.
 #[derive(Clone, Copy, Debug)]
 pub struct Local<L, const Q: usize, const S: usize, const U: usize> {
     /// Coordinates (rad or m).
@@ -42,12 +45,12 @@ pub struct Local<L, const Q: usize, const S: usize, const U: usize> {
     pub inputs: [L; U],
 }
 
-/// Equations of like blocks of `N` coordinates; `M` = N² entries in their matrices by rows.
+/// Equations of like parts of `N` coordinates; `M` = N² entries in their matrices by rows.
 ///
 /// `constants` holds [`Shape::CONSTANTS`] numbers for every lane, the lanes of one constant side by
 /// side. Entries that are zero by structure are not written.
 pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, const U: usize> {
-    /// How many numbers differ between blocks or depend on parameters.
+    /// How many numbers differ between parts or depend on parameters.
     const CONSTANTS: usize;
     /// Internal coordinates of a block by place ([`crate::internal`]).
     const INTERNAL: &'static [usize] = &[];
@@ -74,7 +77,7 @@ pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, 
 }
 
 impl<const Q: usize, const S: usize, const U: usize> Place<Q, S, U> {
-    /// The block's own numbers out of the model's.
+    /// The part's own numbers out of the model's.
     #[inline(always)]
     fn local(&self, at: &Midpoint, h: f64) -> Local<f64, Q, S, U> {
         Local {
@@ -87,7 +90,7 @@ impl<const Q: usize, const S: usize, const U: usize> Place<Q, S, U> {
         }
     }
 
-    /// Momentum and force of the block, into the model's vectors.
+    /// Momentum and force of the part, into the model's vectors.
     pub fn evaluate<Sh: Shape<N, M, Q, S, U>, const N: usize, const M: usize>(
         &self,
         at: &Midpoint,
@@ -101,7 +104,7 @@ impl<const Q: usize, const S: usize, const U: usize> Place<Q, S, U> {
         self.scatter(&f, force);
     }
 
-    /// As [`Place::evaluate`], and the Newton matrix into the block's own part of the packed one,
+    /// As [`Place::evaluate`], and the Newton matrix into the part's own entries of the packed one,
     /// which holds zeros where the structure has them.
     pub fn evaluate_with_matrix<Sh: Shape<N, M, Q, S, U>, const N: usize, const M: usize>(
         &self,
@@ -113,24 +116,44 @@ impl<const Q: usize, const S: usize, const U: usize> Place<Q, S, U> {
         matrix: &mut [f64],
     ) {
         let (mut p, mut f) = ([0.0; N], [0.0; N]);
-        let matrix = sized_mut(&mut matrix[self.matrix..]);
-        Sh::evaluate_with_matrix(&self.local(at, h), constants, &mut p, &mut f, matrix);
+        self.with_entries::<N, M>(matrix, |matrix| {
+            Sh::evaluate_with_matrix(&self.local(at, h), constants, &mut p, &mut f, matrix);
+        });
         self.scatter(&p, momentum);
         self.scatter(&f, force);
     }
 
-    /// Mass matrix of the block.
+    /// Mass matrix of the part.
     pub fn mass_matrix<Sh: Shape<N, M, Q, S, U>, const N: usize, const M: usize>(
         &self,
         q: &[f64],
         constants: &[f64],
         matrix: &mut [f64],
     ) {
-        let matrix = sized_mut(&mut matrix[self.matrix..]);
-        Sh::mass_matrix(&self.coordinates.map(|c| q[c]), constants, matrix);
+        let q = self.coordinates.map(|c| q[c]);
+        self.with_entries::<N, M>(matrix, |matrix| Sh::mass_matrix(&q, constants, matrix));
     }
 
-    /// Lengths of the block's strands, into the model's vector.
+    /// Lets the part's entries of a packed matrix be written.
+    #[inline(always)]
+    fn with_entries<const N: usize, const M: usize>(
+        &self,
+        matrix: &mut [f64],
+        write: impl FnOnce(&mut [f64; M]),
+    ) {
+        let matrix = &mut matrix[self.matrix..];
+        if self.width == N {
+            write(sized_mut(matrix));
+            return;
+        }
+        let mut own = [0.0; M];
+        write(&mut own);
+        for (own, row) in own.chunks_exact(N).zip(matrix.chunks_mut(self.width)) {
+            row[..N].copy_from_slice(own);
+        }
+    }
+
+    /// Lengths of the part's strands, into the model's vector.
     pub fn lengths<Sh: Shape<N, M, Q, S, U>, const N: usize, const M: usize>(
         &self,
         q: &[f64],

@@ -92,9 +92,16 @@ impl Structure {
                     constraint_offset: 0,
                 });
             }
-            let members = &mut self.blocks[*block].coordinates;
-            self.slots[coordinate] = Some((*block, members.len()));
-            members.push(coordinate);
+            self.blocks[*block].coordinates.push(coordinate);
+        }
+        for (number, block) in self.blocks.iter_mut().enumerate() {
+            // Representatives are the first of each part, so that parts keep the model's order.
+            block.coordinates.sort_by_key(|&c| (part_root[c], c));
+            for (position, &coordinate) in block.coordinates.iter().enumerate() {
+                self.slots[coordinate] = Some((number, position));
+            }
+            let parts = block.coordinates.chunk_by(|&a, &b| part_root[a] == part_root[b]);
+            block.parts = parts.map(<[usize]>::len).collect();
         }
         for (constraint, coordinates) in rows.iter().enumerate() {
             let Some(first) = coordinates.iter().find(|&&c| dynamic[c]) else { continue };
@@ -106,17 +113,6 @@ impl Structure {
         }
         let (mut matrix_offset, mut constraint_offset) = (0, 0);
         for block in &mut self.blocks {
-            let mut roots: Vec<usize> = Vec::new();
-            for (local, &coordinate) in block.coordinates.iter().enumerate() {
-                let root = part_root[coordinate];
-                match roots.iter().position(|&r| r == root) {
-                    Some(part) => block.parts[part].push(local),
-                    None => {
-                        roots.push(root);
-                        block.parts.push(vec![local]);
-                    }
-                }
-            }
             block.matrix_offset = matrix_offset;
             block.constraint_offset = constraint_offset;
             matrix_offset += block.coordinates.len() * block.coordinates.len();

@@ -1,4 +1,4 @@
-//! The generated `blocks/mod.rs`: all blocks together, with their constants.
+//! The generated `blocks/mod.rs`: all parts of blocks together, with their constants.
 
 use super::imports;
 use super::modules::Placed;
@@ -10,11 +10,11 @@ use crate::stage::{Module, Shape, Staged};
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-/// Whether a step can be taken on lanes: no constraints, no equations cut into parts.
-pub(super) fn has_lanes(names: &Names, functions: &[Placed]) -> bool {
-    let mut blocks =
-        functions.iter().filter(|p| matches!(p.module, Module::Block(_))).map(|p| &p.emitted);
-    names.rows.len() == 0 && blocks.all(|emitted| emitted.parts == 1)
+/// Whether the equations can be computed on lanes: none was cut into several functions.
+pub(super) fn has_lanes(functions: &[Placed]) -> bool {
+    let mut parts =
+        functions.iter().filter(|p| matches!(p.module, Module::Part(_))).map(|p| &p.emitted);
+    parts.all(|emitted| emitted.parts == 1)
 }
 
 /// `Equations` of a shape with its first two sizes, or with all.
@@ -51,7 +51,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
     });
     let mass = every(&|of| quote!(place.mass_matrix::<#of>(q, constants, matrix);));
     let lengths = every(&|of| quote!(place.lengths::<#of>(q, constants, lengths);));
-    let on_lanes = has_lanes(names, functions).then(|| {
+    let on_lanes = has_lanes(functions).then(|| {
         let calls = shapes().map(|(module, shape)| {
             let of = equations(module, shape, 5);
             quote! {
@@ -59,14 +59,14 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             }
         });
         quote! {
-            /// Shows all blocks of several runs, each with its own constants, to a visitor.
+            /// Shows all parts of several runs, each with its own constants, to a visitor.
             pub fn on_lanes(of: &[&Blocks], visitor: &mut impl LaneVisitor) -> bool {
                 #(#calls)*
                 visitor.is_complete()
             }
         }
     });
-    let use_lanes = has_lanes(names, functions).then(|| {
+    let use_lanes = has_lanes(functions).then(|| {
         quote!(
             use handc_core::lanes::LaneVisitor;
         )
@@ -75,7 +75,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
     let body = quote! {
         #(pub mod #modules;)*
 
-        /// Constants of all blocks.
+        /// Constants of all parts.
         #[derive(Clone, Debug)]
         pub struct Blocks {
             #(#fields)*
@@ -109,7 +109,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
                 #mass
             }
 
-            /// Lengths of the strands that span a block (m).
+            /// Lengths of the strands that span a part (m).
             pub fn lengths(&self, q: &[f64], lengths: &mut [f64]) {
                 #lengths
             }
@@ -119,7 +119,8 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
     };
     let local = imports::from(quote!(crate::layout), &["PARAMETERS", "VALUES"], &body);
     quote! {
-        //! Blocks of the step equations: coordinates that a step couples. Like blocks share one module.
+        //! Step equations, part by part: coordinates that the Newton matrix couples without the help of
+        //! constraints. Like parts share one module.
 
         #local
         #use_lanes

@@ -175,6 +175,13 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
     let scenarios = scenarios(names, functions);
     let model = &names.model;
     let blocks = blocks(names, staged, functions);
+    let systems = (!staged.systems.is_empty()).then(|| {
+        quote! {
+            fn systems() -> &'static [System] {
+                &SYSTEMS
+            }
+        }
+    });
     let rest = quote! {
         impl Model for #model {
             fn layout(&self) -> &Arc<Layout> {
@@ -187,6 +194,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
                 self.params[index] = value;
                 self.update();
             }
+            #systems
             #blocks
             #(#methods)*
             #commands
@@ -214,12 +222,19 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
         .collect();
     let local = imports::from(quote!(crate), &local, &rest);
     let types = imports::from(quote!(crate::blocks), &["Blocks"], &rest);
+    let systems = (!staged.systems.is_empty()).then(|| {
+        quote! {
+            use crate::systems::SYSTEMS;
+            use handc_core::system::System;
+        }
+    });
     let indices = imports::from(quote!(crate::layout), &["scenario"], &scenario_arms(&rest, names));
     quote! {
         //! The model as the integrator sees it.
 
         #local
         #types
+        #systems
         use crate::#model;
         #indices
         #arrays
@@ -260,7 +275,7 @@ fn blocks(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
         _ => quote!(*sized_mut(lengths) = #model::strand_lengths(self, sized(q));),
     };
     methods.push(method("strand_lengths", &[("q", input), ("lengths", output)], &lengths));
-    if has && blocks::has_lanes(names, functions) {
+    if has && blocks::has_lanes(functions) {
         methods.push(quote! {
             fn revision(&self) -> u64 {
                 self.revision

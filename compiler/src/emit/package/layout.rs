@@ -92,14 +92,14 @@ fn quantity(quantity: &Quantity) -> TokenStream {
 }
 
 fn block(block: &Block) -> TokenStream {
-    let (coordinates, rows) = (list(&block.coordinates), list(&block.rows));
+    let (coordinates, rows, parts) =
+        (list(&block.coordinates), list(&block.rows), list(&block.parts));
     let matrix_offset = integer(block.matrix_offset);
-    let parts = block.parts.iter().map(|part| list(part));
     let constraint_offset = integer(block.constraint_offset);
     quote!(Block {
         coordinates: #coordinates,
         rows: #rows,
-        parts: vec![#(#parts),*],
+        parts: #parts,
         matrix_offset: #matrix_offset,
         constraint_offset: #constraint_offset,
     })

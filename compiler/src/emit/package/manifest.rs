@@ -4,6 +4,7 @@ use super::modules::{file, folder};
 use super::names::Names;
 use crate::emit::print::identifier;
 use crate::stage::Module;
+use handc_core::layout::Layout;
 use handc_runtime::mechanism::Mechanism;
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -40,7 +41,12 @@ pub(super) fn manifest(names: &Names, core_path: &str) -> String {
 }
 
 /// `lib.rs`.
-pub(super) fn library(mechanism: &Mechanism, names: &Names, modules: &[Module]) -> TokenStream {
+pub(super) fn library(
+    mechanism: &Mechanism,
+    layout: &Layout,
+    names: &Names,
+    modules: &[Module],
+) -> TokenStream {
     let model = &names.model;
     let name = &mechanism.name;
     let mut doc: Vec<String> = mechanism.doc.lines().map(str::to_owned).collect();
@@ -54,7 +60,7 @@ pub(super) fn library(mechanism: &Mechanism, names: &Names, modules: &[Module]) 
             names.coordinates.len(),
             names.strands.len(),
             names.rows.len(),
-            match names.blocks.len() {
+            match layout.blocks.len() {
                 1 => "one block".to_owned(),
                 count => format!("{count} blocks"),
             }

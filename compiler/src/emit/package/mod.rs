@@ -15,6 +15,7 @@ mod names;
 mod parameters;
 mod shapes;
 mod spacing;
+mod systems;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -107,7 +108,7 @@ fn assemble(
     let modules = modules::modules(mechanism, &staged, layout, &names, &functions);
     let list: Vec<Module> = modules.iter().map(|(module, _)| *module).collect();
     let mut sources: Vec<(String, TokenStream)> = vec![
-        ("lib.rs".to_owned(), manifest::library(mechanism, &names, &list)),
+        ("lib.rs".to_owned(), manifest::library(mechanism, layout, &names, &list)),
         ("main.rs".to_owned(), manifest::runner(mechanism, &names)),
         ("layout.rs".to_owned(), layout::module(layout, &names)),
         ("parameters.rs".to_owned(), parameters::module(mechanism, &names)),
@@ -117,6 +118,9 @@ fn assemble(
     if !staged.shapes.is_empty() {
         let module = blocks::module(&names, &staged, &functions);
         sources.push(("blocks/mod.rs".to_owned(), module));
+    }
+    if !staged.systems.is_empty() {
+        sources.push(("systems/mod.rs".to_owned(), systems::module(&names, &staged, &functions)));
     }
     sources.extend(manifest::folders(&names, &list));
     sources.extend(modules.into_iter().map(|(m, tokens)| (modules::file(m, &names), tokens)));
@@ -151,7 +155,7 @@ fn report(
         let emitted = &placed.emitted;
         let file = modules::file(placed.module, names);
         report.functions.push((format!("{file}: {}", emitted.name), emitted.operations));
-        let Module::Block(number) = placed.module else { continue };
+        let Module::Part(number) = placed.module else { continue };
         for _ in &staged.shapes[number].places {
             match emitted.name.as_str() {
                 "evaluate" => report.evaluate += emitted.operations,

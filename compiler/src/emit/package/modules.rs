@@ -3,6 +3,7 @@
 use super::imports;
 use super::names::Names;
 use super::shapes::{self, ShapeNames};
+use super::systems::SystemNames;
 use crate::emit::function::{Emitted, Function, LONGEST_FUNCTION, doc_line};
 use crate::emit::literal::{integer, number};
 use crate::emit::print::identifier;
@@ -33,8 +34,11 @@ pub(super) fn functions(staged: &Staged, names: &Names) -> Vec<Placed> {
                 longest: LONGEST_FUNCTION,
             };
             let emitted = match task.module {
-                Module::Block(number) => {
+                Module::Part(number) => {
                     function.emit(&ShapeNames { names, shape: &staged.shapes[number] })
+                }
+                Module::System(number) => {
+                    function.emit(&SystemNames { names, system: &staged.systems[number] })
                 }
                 _ => function.emit(names),
             };
@@ -46,9 +50,10 @@ pub(super) fn functions(staged: &Staged, names: &Names) -> Vec<Placed> {
 /// The module of the crate's root that a module is or lies in.
 pub(super) fn folder(module: Module) -> &'static str {
     match module {
-        Module::Block(_) => "blocks",
+        Module::Part(_) => "blocks",
         Module::Strands => "strands",
         Module::Constraints => "constraints",
+        Module::System(_) => "systems",
         Module::Energy => "energy",
         Module::Frames => "frames",
         Module::Time => "time",
@@ -61,7 +66,8 @@ pub(super) fn folder(module: Module) -> &'static str {
 pub(super) fn path(module: Module, names: &Names) -> TokenStream {
     let folder = identifier(folder(module));
     let inner = match module {
-        Module::Block(index) => &names.shapes[index],
+        Module::Part(index) => &names.shapes[index],
+        Module::System(index) => &names.systems[index],
         Module::Scenario(index) => &names.scenario_modules[index],
         _ => return quote!(#folder::),
     };
@@ -77,10 +83,13 @@ pub(super) fn file(module: Module, names: &Names) -> String {
 
 fn opening(module: Module, mechanism: &Mechanism, staged: &Staged, names: &Names) -> String {
     match module {
-        Module::Block(index) => shapes::opening(&staged.shapes[index], &names.blocks),
+        Module::Part(index) => shapes::opening(&staged.shapes[index], &names.parts),
         Module::Scenario(index) => {
             let scenario = &mechanism.scenarios[index];
             format!("Scenario `{}`.", scenario.name)
+        }
+        Module::System(index) => {
+            format!("Linear system of the block `{}`, in a fixed order.", names.systems[index])
         }
         Module::Strands => "Strands: lengths and moment arms.".to_owned(),
         Module::Constraints => "Constraints: rows and their derivatives.".to_owned(),
@@ -117,7 +126,7 @@ pub(super) fn modules(
                     }
                     body.extend(numbers(scenario, &staged.scenario_numbers[index], names));
                 }
-                Module::Block(number) => {
+                Module::Part(number) => {
                     let shape = &staged.shapes[number];
                     body.extend(shapes::table(number, shape, layout, names, functions));
                 }
@@ -126,7 +135,7 @@ pub(super) fn modules(
             }
             let core = imports::from(quote!(handc_core::model), &["ScenarioValues"], &body);
             let uses = match module {
-                Module::Block(_) => imports::of_equations(names, &body),
+                Module::Part(_) => imports::of_equations(names, &body),
                 _ => imports::of_functions(names, &body),
             };
             let docs = doc.iter().map(|line| {

@@ -4,8 +4,8 @@ use crate::emit::function::Naming;
 use crate::emit::literal::integer;
 use crate::emit::name::{Taken, camel, snake, upper};
 use crate::emit::print::identifier;
-use crate::graph::Leaf;
-use crate::stage::Staged;
+use crate::graph::{Leaf, SystemArray};
+use crate::stage::{Staged, parts};
 use handc_core::layout::Layout;
 use handc_core::passage::CLEARANCES;
 use proc_macro2::{Ident, TokenStream};
@@ -130,10 +130,12 @@ pub(super) struct Names {
     pub(super) frames: Indices,
     /// Scenarios.
     pub(super) scenarios: Indices,
-    /// Blocks.
-    pub(super) blocks: Vec<String>,
-    /// Modules of the shapes, named after the first block of each.
+    /// Parts of blocks.
+    pub(super) parts: Vec<String>,
+    /// Modules of the shapes, named after the first part of each.
     pub(super) shapes: Vec<String>,
+    /// Modules of the linear systems, named after their blocks.
+    pub(super) systems: Vec<String>,
     /// Modules of the scenarios.
     pub(super) scenario_modules: Vec<String>,
     /// Fields of `Params`.
@@ -152,7 +154,8 @@ fn unique(names: impl Iterator<Item = String>) -> Vec<String> {
 impl Names {
     /// Names everything in a layout, and frames and shapes besides.
     pub(super) fn new(layout: &Layout, frames: &[String], staged: &Staged) -> Self {
-        let blocks = block_names(layout);
+        let parts = group_names(layout, parts(&layout.blocks).iter().map(|part| part.coordinates));
+        let blocks = group_names(layout, layout.blocks.iter().map(|b| &b.coordinates[..]));
         let reserved = |name: &str| RESERVED_CRATES.contains(&name);
         let package = if reserved(&layout.name) || !Taken::is_legal(&layout.name) {
             format!("{}_model", layout.name)
@@ -181,8 +184,9 @@ impl Names {
             rows: Indices::new("row", "ROWS", "constraint row", rows),
             frames: Indices::new("frame", "FRAMES", "frame", frames),
             scenarios: Indices::new("scenario", "SCENARIOS", "scenario", scenarios()),
-            shapes: staged.shapes.iter().map(|s| blocks[s.places[0].block].clone()).collect(),
-            blocks,
+            shapes: staged.shapes.iter().map(|s| parts[s.places[0].part].clone()).collect(),
+            parts,
+            systems: staged.systems.iter().map(|s| blocks[s.block].clone()).collect(),
             scenario_modules: unique(scenarios()),
             param_fields: unique(params()),
             input_fields: unique(inputs()),
@@ -220,10 +224,11 @@ impl Names {
     fn list_of(&self, array: &str) -> Option<&Indices> {
         Some(match array {
             "q" | "v" | "momentum" | "force" => &self.coordinates,
+            "residual" | "step" | "size" | "sensitivity" | "pull" | "sizes" => &self.coordinates,
             "rest" | "lengths" | "tensions" => &self.strands,
             "inputs" => &self.inputs,
             "params" => &self.params,
-            "lambda" | "rows" => &self.rows,
+            "lambda" | "rows" | "gaps" | "change" | "row_sensitivity" => &self.rows,
             _ => return None,
         })
     }
@@ -233,7 +238,7 @@ impl Names {
         match (self.list_of(array), array) {
             (Some(list), _) => list.count,
             (None, "matrix") => "MATRIX",
-            (None, "jacobian") => "JACOBIAN",
+            (None, "jacobian" | "before" | "after") => "JACOBIAN",
             (None, "arms") => "ARMS",
             (None, "poses") => "POSES",
             (None, "clearances") => "CLEARANCES",
@@ -243,19 +248,20 @@ impl Names {
     }
 }
 
-/// The path that the coordinates of a block share, or its first coordinate's name.
-fn block_names(layout: &Layout) -> Vec<String> {
-    if let [_] = &layout.blocks[..] {
+/// For each group of coordinates the path that they share, or the first one's name.
+fn group_names<'a>(layout: &Layout, groups: impl Iterator<Item = &'a [usize]>) -> Vec<String> {
+    let groups: Vec<&[usize]> = groups.collect();
+    if let [_] = groups[..] {
         return vec!["whole".to_owned()];
     }
-    unique(layout.blocks.iter().map(|block| {
+    unique(groups.into_iter().map(|group| {
         let name = |c: &usize| layout.coordinates[*c].name.as_str();
-        let first = block.coordinates.first().map_or("block", name);
-        let parts: Vec<&str> = first.split('.').collect();
-        (1..parts.len())
+        let first = group.first().map_or("part", name);
+        let path: Vec<&str> = first.split('.').collect();
+        (1..path.len())
             .rev()
-            .map(|count| parts[..count].join("."))
-            .find(|path| block.coordinates.iter().all(|c| name(c).starts_with(&format!("{path}."))))
+            .map(|count| path[..count].join("."))
+            .find(|path| group.iter().all(|c| name(c).starts_with(&format!("{path}."))))
             .unwrap_or_else(|| first.to_owned())
     }))
 }
@@ -273,6 +279,18 @@ impl Naming for Names {
             Leaf::Lambda(i) => format!("lambda_{}", self.rows.originals[i as usize]),
             Leaf::Value(i) => format!("value_{i}"),
             Leaf::Constant(i) => format!("c_{i}"),
+            Leaf::System(array, i) => {
+                let named = |list: &Indices| list.originals[i as usize].clone();
+                match array {
+                    SystemArray::Matrix => format!("j_{i}"),
+                    SystemArray::Before => format!("g_before_{i}"),
+                    SystemArray::After => format!("g_after_{i}"),
+                    SystemArray::Factors => format!("factor_{i}"),
+                    SystemArray::Size => format!("size_{}", named(&self.coordinates)),
+                    SystemArray::Residual => format!("r_{}", named(&self.coordinates)),
+                    SystemArray::Gaps => format!("gap_{}", named(&self.rows)),
+                }
+            }
             Leaf::Time => "t".to_owned(),
             Leaf::Step => "h".to_owned(),
         }

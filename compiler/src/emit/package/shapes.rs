@@ -1,4 +1,4 @@
-//! The generated modules of like blocks: their equations over lanes, where each block's numbers
+//! The generated modules of like parts: their equations over lanes, where each part's numbers
 //! stand, and its constants.
 
 use super::modules::{Placed, simple};
@@ -7,19 +7,19 @@ use crate::emit::function::{Naming, doc_line};
 use crate::emit::literal::integer;
 use crate::emit::print::identifier;
 use crate::graph::Leaf;
-use crate::stage::{BlockPlace, Module, Shape, shared};
+use crate::stage::{Module, PartPlace, Shape, shared};
 use handc_core::layout::Layout;
 use proc_macro2::TokenStream;
 use quote::quote;
 
-/// Names inside the equations of a shape: those that its blocks have in common.
+/// Names inside the equations of a shape: those that its parts have in common.
 pub(super) struct ShapeNames<'a> {
     pub(super) names: &'a Names,
     pub(super) shape: &'a Shape,
 }
 
 impl ShapeNames<'_> {
-    fn common(&self, originals: &[String], of: impl Fn(&BlockPlace) -> usize) -> String {
+    fn common(&self, originals: &[String], of: impl Fn(&PartPlace) -> usize) -> String {
         let all: Vec<&str> =
             self.shape.places.iter().map(|place| originals[of(place)].as_str()).collect();
         shared(&all)
@@ -77,11 +77,11 @@ pub(super) fn sizes(shape: &Shape) -> [usize; 5] {
 /// What opens the module, in prose.
 pub(super) fn opening(shape: &Shape, all: &[String]) -> String {
     let list: Vec<String> =
-        shape.places.iter().map(|place| format!("`{}`", all[place.block])).collect();
+        shape.places.iter().map(|place| format!("`{}`", all[place.part])).collect();
     match &list[..] {
-        [one] => format!("Block {one} of the step equations."),
+        [one] => format!("Step equations of {one}."),
         [first, others @ ..] => format!(
-            "Blocks of the step equations: {first}, and {} which differ from it in constants alone.",
+            "Step equations of {first}, and of {}, which differ from it in constants alone.",
             others.join(", ")
         ),
         [] => String::new(),
@@ -105,12 +105,13 @@ pub(super) fn table(
         };
         let (coordinates, strands) = (list(&place.coordinates), list(&place.strands));
         let inputs = list(&place.inputs);
-        let matrix = integer(layout.blocks[place.block].matrix_offset);
+        let [matrix, width] = place.matrix.map(integer);
         quote!(Place {
             coordinates: #coordinates,
             strands: #strands,
             inputs: #inputs,
             matrix: #matrix,
+            width: #width,
         })
     });
     let internal = internal(shape, layout);
@@ -187,7 +188,7 @@ fn method(
     let ident = identifier(name);
     let found = functions
         .iter()
-        .find(|placed| placed.module == Module::Block(number) && placed.emitted.name == name);
+        .find(|placed| placed.module == Module::Part(number) && placed.emitted.name == name);
     let Some(placed) = found else {
         // Nothing to compute: every argument goes unread.
         return quote! {

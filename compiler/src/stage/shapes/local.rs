@@ -1,16 +1,17 @@
-//! One block in its own numbering, and the skeleton by which blocks are compared.
+//! One part of a block in its own numbering, and the skeleton by which parts are compared.
 
-use super::BlockPlace;
+use super::PartPlace;
 use crate::emit::Place;
 use crate::graph::{Binary, Leaf, Node, Sym, Unary, node, reachable};
+use crate::stage::parts::Part;
 use crate::stage::{Module, Task};
 use handc_runtime::structure::Structure;
 use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// A block in its own numbering.
+/// A part in its own numbering.
 pub(super) struct Local<'a> {
-    pub(super) place: BlockPlace,
+    pub(super) place: PartPlace,
     pub(super) unknowns: usize,
     pub(super) tasks: Vec<&'a Task>,
     pub(super) hashes: HashMap<Sym, u64>,
@@ -18,12 +19,12 @@ pub(super) struct Local<'a> {
     fixed: HashSet<Sym>,
     /// Sizes, places of results and hashes of their expressions.
     pub(super) skeleton: Vec<u64>,
-    matrix_offset: usize,
+    part: Part<'a>,
     /// Internal coordinates of the whole model.
     is_internal: &'a [bool],
 }
 
-/// A node as blocks are compared by it.
+/// A node as parts are compared by it.
 pub(super) enum View {
     /// Made of numbers and parameters alone.
     Constant(Sym),
@@ -58,14 +59,23 @@ impl<'a> Local<'a> {
         }
     }
 
-    pub(super) fn new(block: usize, tasks: &'a [Task], structure: &'a Structure) -> Self {
-        let tasks: Vec<&Task> = tasks.iter().filter(|t| t.module == Module::Block(block)).collect();
+    pub(super) fn new(
+        number: usize,
+        of: &Part<'a>,
+        tasks: &'a [Task],
+        structure: &'a Structure,
+    ) -> Self {
+        let is_own = |task: &&Task| task.module == Module::Part(number);
+        let tasks: Vec<&Task> = tasks.iter().filter(is_own).collect();
         let roots: Vec<Sym> =
             tasks.iter().flat_map(|task| task.outputs.iter().map(|output| output.value)).collect();
         let nodes = reachable(&roots);
-        let of = &structure.blocks[block];
-        let mut place =
-            BlockPlace { block, coordinates: of.coordinates.clone(), ..BlockPlace::default() };
+        let mut place = PartPlace {
+            part: number,
+            matrix: [of.matrix, of.width],
+            coordinates: of.coordinates.to_vec(),
+            ..PartPlace::default()
+        };
         let (mut around, mut strands, mut inputs) = (Vec::new(), Vec::new(), Vec::new());
         for &symbol in &nodes {
             if let Node::Leaf(leaf) = node(symbol) {
@@ -98,7 +108,7 @@ impl<'a> Local<'a> {
             hashes: HashMap::new(),
             fixed: HashSet::new(),
             skeleton: Vec::new(),
-            matrix_offset: of.matrix_offset,
+            part: *of,
             is_internal: &structure.is_internal,
         };
         for symbol in nodes {
@@ -131,12 +141,15 @@ impl<'a> Local<'a> {
         }
     }
 
-    /// Where a result goes, in the block's numbering.
+    /// Where a result goes, in the part's numbering.
     pub(super) fn output(&self, place: &Place) -> Place {
         let Place::Element { array, index } = place else { return place.clone() };
         let find = |list: &[usize]| list.iter().position(|i| i == index).unwrap_or_default();
         let index = match *array {
-            "matrix" => index - self.matrix_offset,
+            "matrix" => {
+                let (row, column) = self.part.entry(*index);
+                row * self.unknowns + column
+            }
             "lengths" => find(&self.place.strands),
             _ => find(&self.place.coordinates),
         };

@@ -1,4 +1,4 @@
-//! Like blocks' expressions walked side by side, into the one of which all are instances.
+//! Like parts' expressions walked side by side, into the one of which all are instances.
 
 use super::local::{Local, View, is_commutative};
 use super::{Shape, shared};
@@ -8,49 +8,49 @@ use crate::stage::{Module, Task};
 use handc_core::scalar::Scalar;
 use std::collections::HashMap;
 
-/// Walks the expressions of like blocks side by side.
+/// Walks the expressions of like parts side by side.
 pub(super) struct Merger<'a, 'b> {
-    blocks: &'b [&'b Local<'a>],
+    parts: &'b [&'b Local<'a>],
     known: HashMap<Vec<Sym>, Sym>,
     constants: HashMap<Vec<Sym>, Sym>,
     table: Vec<Vec<Sym>>,
 }
 
 impl<'a, 'b> Merger<'a, 'b> {
-    /// The shape of the blocks and its tasks; `None` if they are not alike.
-    pub(super) fn merge(blocks: &'b [&'b Local<'a>], number: usize) -> Option<(Shape, Vec<Task>)> {
+    /// The shape of the parts and its tasks; `None` if they are not alike.
+    pub(super) fn merge(parts: &'b [&'b Local<'a>], number: usize) -> Option<(Shape, Vec<Task>)> {
         let mut merger = Merger {
-            blocks,
+            parts,
             known: HashMap::new(),
             constants: HashMap::new(),
-            table: vec![Vec::new(); blocks.len()],
+            table: vec![Vec::new(); parts.len()],
         };
-        let first = blocks[0];
+        let first = parts[0];
         let mut tasks = Vec::new();
         for (t, task) in first.tasks.iter().enumerate() {
             let mut outputs = Vec::new();
             for (o, output) in task.outputs.iter().enumerate() {
-                let values = blocks.iter().map(|block| block.tasks[t].outputs[o].value).collect();
+                let values = parts.iter().map(|part| part.tasks[t].outputs[o].value).collect();
                 let labels: Vec<&str> =
-                    blocks.iter().map(|block| block.tasks[t].outputs[o].label.as_str()).collect();
+                    parts.iter().map(|part| part.tasks[t].outputs[o].label.as_str()).collect();
                 outputs.push(Output {
                     place: first.output(&output.place),
                     value: merger.symbol(values)?,
                     label: shared(&labels),
                 });
             }
-            let module = Module::Block(number);
+            let module = Module::Part(number);
             tasks.push(Task { module, name: task.name, doc: task.doc.clone(), outputs });
         }
         let shape = Shape {
             unknowns: first.unknowns,
-            places: blocks.iter().map(|block| block.place.clone()).collect(),
+            places: parts.iter().map(|part| part.place.clone()).collect(),
             constants: merger.table,
         };
         Some((shape, tasks))
     }
 
-    /// The one expression of which the blocks' are instances.
+    /// The one expression of which the parts' are instances.
     fn symbol(&mut self, symbols: Vec<Sym>) -> Option<Sym> {
         // Deep expressions are built from below.
         let mut open = vec![symbols.clone()];
@@ -77,12 +77,12 @@ impl<'a, 'b> Merger<'a, 'b> {
     fn operands(&self, symbols: &[Sym]) -> Option<Vec<Vec<Sym>>> {
         let lists: Vec<Vec<Sym>> = symbols
             .iter()
-            .zip(self.blocks)
-            .map(|(&symbol, block)| match block.view(symbol) {
+            .zip(self.parts)
+            .map(|(&symbol, part)| match part.view(symbol) {
                 View::Constant(_) => Vec::new(),
                 View::Scaled(_, other) => vec![other],
                 View::Other(Node::Binary(function, a, b)) if is_commutative(function) => {
-                    let hash = |s: &Sym| block.hashes.get(s).copied().unwrap_or(1);
+                    let hash = |s: &Sym| part.hashes.get(s).copied().unwrap_or(1);
                     let mut pair = vec![a, b];
                     pair.sort_by_key(hash);
                     pair
@@ -100,7 +100,7 @@ impl<'a, 'b> Merger<'a, 'b> {
     fn make(&mut self, symbols: &[Sym], operands: &[Vec<Sym>]) -> Option<Sym> {
         let merged: Vec<Sym> = operands.iter().map(|tuple| self.known[tuple]).collect();
         let views: Vec<View> =
-            symbols.iter().zip(self.blocks).map(|(&s, block)| block.view(s)).collect();
+            symbols.iter().zip(self.parts).map(|(&s, part)| part.view(s)).collect();
         let constants = |views: &[View]| -> Option<Vec<Sym>> {
             let of = |view: &View| match view {
                 View::Constant(c) | View::Scaled(c, _) => Some(*c),
@@ -116,15 +116,15 @@ impl<'a, 'b> Merger<'a, 'b> {
             }
             View::Other(first) => {
                 let same = |test: &dyn Fn(&Node, &Local) -> bool| {
-                    views.iter().zip(self.blocks).all(|(view, block)| match view {
-                        View::Other(node) => test(node, block),
+                    views.iter().zip(self.parts).all(|(view, part)| match view {
+                        View::Other(node) => test(node, part),
                         _ => false,
                     })
                 };
                 match *first {
                     Node::Constant(_) => None,
                     Node::Leaf(leaf) => {
-                        let leaf = self.blocks[0].leaf(leaf);
+                        let leaf = self.parts[0].leaf(leaf);
                         same(&|n, b| matches!(n, Node::Leaf(l) if b.leaf(*l) == leaf))
                             .then(|| Sym::leaf(leaf))
                     }
@@ -149,7 +149,7 @@ impl<'a, 'b> Merger<'a, 'b> {
         }
     }
 
-    /// A constant that all blocks share, or an entry of the table.
+    /// A constant that all parts share, or an entry of the table.
     fn constant(&mut self, all: Vec<Sym>) -> Sym {
         let first = all[0];
         if first.as_constant().is_some() && all.iter().all(|&symbol| symbol == first) {

@@ -1,8 +1,8 @@
-//! Like blocks: one set of equations where they differ in constants alone.
+//! Like parts: one set of equations where they differ in constants alone.
 //!
-//! Every block is looked at in its own numbering of coordinates, strands and inputs. Blocks whose
+//! Every part is looked at in its own numbering of coordinates, strands and inputs. Parts whose
 //! expressions then agree but for constants and parameters are one [`Shape`]; what differs becomes
-//! an entry of a table. Blocks that agree only up to a term that vanishes in one of them stay apart.
+//! an entry of a table. Parts that agree only up to a term that vanishes in one of them stay apart.
 
 mod local;
 mod merger;
@@ -14,12 +14,14 @@ use local::Local;
 use merger::Merger;
 use std::collections::HashMap;
 
-/// Where the numbers of one block stand in the model's vectors.
+/// Where the numbers of one part of a block stand in the model's vectors.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct BlockPlace {
-    /// Which block of the structure.
-    pub block: usize,
-    /// Its own coordinates, then the kinematic ones it reads.
+pub struct PartPlace {
+    /// Which part, over all blocks.
+    pub part: usize,
+    /// Where its first matrix entry stands in packed storage, and how far rows are apart.
+    pub matrix: [usize; 2],
+    /// Its own coordinates, then others that it reads.
     pub coordinates: Vec<usize>,
     /// Strands whose natural length or length it reads.
     pub strands: Vec<usize>,
@@ -27,38 +29,44 @@ pub struct BlockPlace {
     pub inputs: Vec<usize>,
 }
 
-/// Like blocks.
+/// Like parts.
 #[derive(Clone, Debug, Default)]
 pub struct Shape {
-    /// Coordinates of each block, kinematic ones not counted.
+    /// Coordinates of each part, kinematic ones not counted.
     pub unknowns: usize,
-    /// The blocks.
-    pub places: Vec<BlockPlace>,
-    /// Constants of each block: made of numbers and parameters alone.
+    /// The parts.
+    pub places: Vec<PartPlace>,
+    /// Constants of each part: made of numbers and parameters alone.
     pub constants: Vec<Vec<Sym>>,
 }
 
-/// The tasks of all blocks become those of their shapes. `alike` holds them staged with unknowns
-/// where like blocks differ, and the values of those unknowns.
+/// The tasks of all parts become those of their shapes. `alike` holds them staged with unknowns
+/// where like parts differ, and the values of those unknowns.
 pub(super) fn merge(
     tasks: &[Task],
     alike: &[Task],
     unknowns: &HashMap<Sym, Sym>,
     structure: &Structure,
 ) -> (Vec<Shape>, Vec<Task>) {
-    let count = structure.blocks.len();
-    let by_itself: Vec<Local> = (0..count).map(|b| Local::new(b, tasks, structure)).collect();
-    let blocks: Vec<Local> = (0..count).map(|b| Local::new(b, alike, structure)).collect();
+    let all = crate::stage::parts(&structure.blocks);
+    let locals = |tasks| -> Vec<Local> {
+        all.iter()
+            .enumerate()
+            .map(|(number, part)| Local::new(number, part, tasks, structure))
+            .collect()
+    };
+    let (by_itself, parts) = (locals(tasks), locals(alike));
+    let count = all.len();
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    for block in 0..count {
-        match groups.iter_mut().find(|g| blocks[g[0]].skeleton == blocks[block].skeleton) {
-            Some(group) => group.push(block),
-            None => groups.push(vec![block]),
+    for part in 0..count {
+        match groups.iter_mut().find(|g| parts[g[0]].skeleton == parts[part].skeleton) {
+            Some(group) => group.push(part),
+            None => groups.push(vec![part]),
         }
     }
     let (mut shapes, mut merged) = (Vec::new(), Vec::new());
     let mut add = |group: &[usize], from: &[Local]| {
-        let members: Vec<&Local> = group.iter().map(|&block| &from[block]).collect();
+        let members: Vec<&Local> = group.iter().map(|&part| &from[part]).collect();
         let Some((mut shape, tasks)) = Merger::merge(&members, shapes.len()) else { return false };
         for list in &mut shape.constants {
             *list = substitute(list, unknowns);
@@ -68,10 +76,10 @@ pub(super) fn merge(
         true
     };
     for group in groups {
-        // Equal by hash alone, or single: each block by itself.
-        if group.len() < 2 || !add(&group, &blocks) {
-            for block in group {
-                add(&[block], &by_itself);
+        // Equal by hash alone, or single: each part by itself.
+        if group.len() < 2 || !add(&group, &parts) {
+            for part in group {
+                add(&[part], &by_itself);
             }
         }
     }

@@ -22,8 +22,8 @@ pub fn records(q: &[f64; COORDINATES], lambda: &[f64; ROWS], records: &mut [f64]
     records[2] = 1000.0 * lambda_thumb_pin_z;
     records[3] = 1000.0
         * (lambda_thumb_pin_z
-            + (lambda_index_pin_z + lambda_middle_pin_z + lambda_ring_pin_z
-                + lambda_little_pin_z));
+            + (lambda_little_pin_z
+                + (lambda_ring_pin_z + (lambda_index_pin_z + lambda_middle_pin_z))));
 }
 
 /// Its numbers with the current parameters.

@@ -4,11 +4,13 @@
 //! a lane. So the like fingers of one hand go side by side, and so do the hands of an ensemble. The
 //! constants of a vector's lanes are laid side by side once and used until a parameter changes.
 
+mod evaluate;
 mod lengths;
 mod step;
 
 use crate::lane::WIDEST;
 use crate::shape::{Place, Shape};
+pub(crate) use evaluate::{Asked, LaneEvaluation};
 pub(crate) use lengths::LaneLengths;
 use std::sync::atomic::{AtomicU64, Ordering};
 pub(crate) use step::{LaneRun, LaneStep};

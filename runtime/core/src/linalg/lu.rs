@@ -9,7 +9,7 @@ use crate::lane::{Lane, Work, call};
 /// From this size on rows are padded and lanes are used.
 const LANES_FROM: usize = 12;
 /// Rows are padded to a multiple of the widest vector there is.
-const PADDING: usize = 8;
+pub(crate) const PADDING: usize = 8;
 
 /// How a factorisation went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +46,8 @@ pub struct Lu {
     a: Vec<f64>,
     /// Original row of each row.
     order: Vec<usize>,
+    /// With which later row each was exchanged when its turn came.
+    moves: Vec<usize>,
     /// Largest entry of each row.
     scale: Vec<f64>,
     /// A row whose entries beside those in use are zero.
@@ -63,6 +65,7 @@ impl Lu {
             stride,
             a: vec![0.0; n * stride],
             order: vec![0; n],
+            moves: vec![0; n],
             scale: vec![0.0; n],
             row: vec![0.0; stride],
             other: vec![0.0; stride],
@@ -84,27 +87,38 @@ impl Lu {
     /// Factors in place. The factors are useless if the smallest pivot is zero or not finite.
     pub fn factor(&mut self) -> Pivots {
         let mut pivots = Pivots::NONE;
-        match self.n {
-            0 => {}
-            // A size known to the compiler unrolls the loops.
-            1 => self.factor_small::<1>(&mut pivots),
-            2 => self.factor_small::<2>(&mut pivots),
-            3 => self.factor_small::<3>(&mut pivots),
-            4 => self.factor_small::<4>(&mut pivots),
-            5 => self.factor_small::<5>(&mut pivots),
-            6 => self.factor_small::<6>(&mut pivots),
-            n if n < LANES_FROM => self.eliminate(&mut pivots, eliminate_row),
-            _ => {
-                if !call(Factor { lu: &mut *self, pivots: &mut pivots }) {
-                    self.eliminate(&mut pivots, eliminate_row);
-                }
-            }
+        if self.n < LANES_FROM || !call(Factor { lu: &mut *self, pivots: &mut pivots }) {
+            pivots = self.factor_on::<f64>();
         }
         pivots
     }
 
+    /// As [`Lu::factor`], for those who are on lanes already.
+    #[inline(always)]
+    pub(crate) fn factor_on<L: Lane>(&mut self) -> Pivots {
+        match self.n {
+            // A size known to the compiler unrolls the loops.
+            1 => self.factor_small::<1>(),
+            2 => self.factor_small::<2>(),
+            3 => self.factor_small::<3>(),
+            4 => self.factor_small::<4>(),
+            5 => self.factor_small::<5>(),
+            6 => self.factor_small::<6>(),
+            n if n < LANES_FROM => self.eliminate::<f64>(),
+            _ => self.eliminate::<L>(),
+        }
+    }
+
     /// Solves A x = b; `x` holds b on entry.
     pub fn solve(&mut self, x: &mut [f64]) {
+        if self.n < LANES_FROM || !call(Solve { lu: &mut *self, x: &mut *x }) {
+            self.solve_on::<f64>(x);
+        }
+    }
+
+    /// As [`Lu::solve`], for those who are on lanes already.
+    #[inline(always)]
+    pub(crate) fn solve_on<L: Lane>(&mut self, x: &mut [f64]) {
         match self.n {
             0 => {}
             1 => self.solve_small::<1>(x),
@@ -114,32 +128,53 @@ impl Lu {
             5 => self.solve_small::<5>(x),
             6 => self.solve_small::<6>(x),
             n if n < LANES_FROM => self.substitute::<f64>(x),
-            _ => {
-                if !call(Solve { lu: &mut *self, x }) {
-                    self.substitute::<f64>(x);
-                }
+            _ => self.substitute::<L>(x),
+        }
+    }
+
+    /// Solves A X = B for many columns at once; row i of B, then of X, stands at `i * stride` of `x`,
+    /// where `stride` is a multiple of all widths of lanes.
+    #[inline(always)]
+    pub(crate) fn solve_rows<L: Lane>(&mut self, x: &mut [f64], stride: usize) {
+        // Rows exchanged one by one, as the factors' were.
+        self.moves.iter().enumerate().for_each(|(k, &other)| {
+            if other != k {
+                let (upper, lower) = x.split_at_mut(other * stride);
+                upper[k * stride..][..stride].swap_with_slice(&mut lower[..stride]);
+            }
+        });
+        for i in 0..self.n {
+            let (before, rest) = x.split_at_mut(i * stride);
+            let row = &self.a[i * self.stride..][..i];
+            subtract_rows::<L>(&mut rest[..stride], row, before);
+        }
+        for i in (0..self.n).rev() {
+            let (before, after) = x.split_at_mut((i + 1) * stride);
+            let own = &mut before[i * stride..];
+            let row = &self.a[i * self.stride..][i..self.n];
+            subtract_rows::<L>(own, &row[1..], after);
+            let reciprocal = L::splat(row[0]);
+            for x in own.chunks_exact_mut(L::WIDTH) {
+                (L::load(x) * reciprocal).store(x);
             }
         }
     }
 
     #[inline(always)]
-    fn factor_small<const N: usize>(&mut self, pivots: &mut Pivots) {
+    fn factor_small<const N: usize>(&mut self) -> Pivots {
         // The optimiser cannot know it from the match alone.
         (self.n, self.stride) = (N, N);
-        self.eliminate(pivots, eliminate_row);
+        self.eliminate::<f64>()
     }
 
-    /// Goes through the columns; `eliminate(row, factor, pivot, from)` takes `factor` times the pivot's
-    /// row off a row from column `from` on.
+    /// Goes through the columns.
     #[inline(always)]
-    fn eliminate(
-        &mut self,
-        pivots: &mut Pivots,
-        eliminate: impl Fn(&mut [f64], f64, &[f64], usize),
-    ) {
+    fn eliminate<L: Lane>(&mut self) -> Pivots {
+        let mut pivots = Pivots::NONE;
         let (n, stride) = (self.n, self.stride);
         let (a, order, scale) =
             (&mut self.a[..n * stride], &mut self.order[..n], &mut self.scale[..n]);
+        let moves = &mut self.moves[..n];
         let pivot_row = &mut self.row[..stride];
         for i in 0..n {
             order[i] = i;
@@ -157,8 +192,9 @@ impl Lu {
             // A NaN compares false above and is caught here.
             if !(best_ratio > 0.0) {
                 pivots.smallest = 0.0;
-                return;
+                return pivots;
             }
+            moves[k] = best;
             if best != k {
                 for j in 0..n {
                     a.swap(k * stride + j, best * stride + j);
@@ -178,10 +214,17 @@ impl Lu {
                 let factor = row[k] * reciprocal;
                 row[k] = factor;
                 if factor != 0.0 {
-                    eliminate(row, factor, pivot_row, k + 1);
+                    // Columns before are zero in the pivot's row.
+                    let first = (k + 1) / L::WIDTH * L::WIDTH;
+                    let factor = L::splat(factor);
+                    let rows = row[first..].chunks_exact_mut(L::WIDTH);
+                    for (x, y) in rows.zip(pivot_row[first..].chunks_exact(L::WIDTH)) {
+                        factor.neg_mul_add(L::load(y), L::load(x)).store(x);
+                    }
                 }
             }
         }
+        pivots
     }
 
     #[inline(always)]
@@ -223,11 +266,14 @@ impl Lu {
     }
 }
 
-/// Takes `factor` times the pivot's row off a row, number by number.
+/// Takes multiples of `rows` off another row, over whole vectors.
 #[inline(always)]
-fn eliminate_row(row: &mut [f64], factor: f64, pivot: &[f64], from: usize) {
-    for (x, y) in row[from..].iter_mut().zip(&pivot[from..]) {
-        *x -= factor * y;
+fn subtract_rows<L: Lane>(to: &mut [f64], factors: &[f64], rows: &[f64]) {
+    for (&factor, row) in factors.iter().zip(rows.chunks_exact(to.len())) {
+        let factor = L::splat(factor);
+        for (to, x) in to.chunks_exact_mut(L::WIDTH).zip(row.chunks_exact(L::WIDTH)) {
+            factor.neg_mul_add(L::load(x), L::load(to)).store(to);
+        }
     }
 }
 
@@ -260,19 +306,7 @@ struct Factor<'a> {
 impl Work for Factor<'_> {
     #[inline(always)]
     fn run<L: Lane>(self) {
-        self.lu.eliminate(
-            self.pivots,
-            #[inline(always)]
-            |row, factor, pivot, from| {
-                // Columns before `from` are zero in the pivot's row.
-                let first = from / L::WIDTH * L::WIDTH;
-                let factor = L::splat(factor);
-                let rows = row[first..].chunks_exact_mut(L::WIDTH);
-                for (x, y) in rows.zip(pivot[first..].chunks_exact(L::WIDTH)) {
-                    factor.neg_mul_add(L::load(y), L::load(x)).store(x);
-                }
-            },
-        );
+        *self.pivots = self.lu.factor_on::<L>();
     }
 }
 
@@ -284,7 +318,7 @@ struct Solve<'a> {
 impl Work for Solve<'_> {
     #[inline(always)]
     fn run<L: Lane>(self) {
-        self.lu.substitute::<L>(self.x);
+        self.lu.solve_on::<L>(self.x);
     }
 }
 
@@ -328,6 +362,37 @@ mod tests {
             for i in 0..n {
                 let error = (x[i] - truth[i]).abs();
                 assert!(error < 1e-10 * pivots.condition(), "size {n}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn many_columns_are_solved_as_one() {
+        for n in [1, 3, 5, 9, 14, 23] {
+            let (mut lu, _) = factored(&matrix(n), n);
+            let columns = 16;
+            let b = matrix(columns.max(n));
+            let mut many = b[..n * columns].to_vec();
+            struct Rows<'a>(&'a mut Lu, &'a mut [f64], usize);
+            impl Work for Rows<'_> {
+                #[inline(always)]
+                fn run<L: Lane>(self) {
+                    self.0.solve_rows::<L>(self.1, self.2);
+                }
+            }
+            let mut plain = many.clone();
+            lu.solve_rows::<f64>(&mut plain, columns);
+            if !call(Rows(&mut lu, &mut many, columns)) {
+                many.clone_from(&plain);
+            }
+            for column in 0..columns {
+                let mut one: Vec<f64> = (0..n).map(|i| b[i * columns + column]).collect();
+                lu.solve(&mut one);
+                for i in 0..n {
+                    let size = 1.0 + one[i].abs();
+                    assert!((plain[i * columns + column] - one[i]).abs() < 1e-11 * size);
+                    assert!((many[i * columns + column] - one[i]).abs() < 1e-11 * size);
+                }
             }
         }
     }

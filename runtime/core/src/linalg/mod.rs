@@ -8,4 +8,5 @@ mod least_norm;
 mod lu;
 
 pub use least_norm::{LeastNorm, RANK_TOLERANCE, solve_least_norm};
+pub(crate) use lu::PADDING;
 pub use lu::{Lu, Pivots};

@@ -1,6 +1,7 @@
 //! Entries of the constraint Jacobian that are not zero by structure.
 
 use crate::layout::Block;
+use crate::system::System;
 
 /// Entries side by side: in a row of the packed Jacobian, and of coordinates that follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +19,7 @@ pub(crate) struct Span {
 impl Span {
     /// Adds Gᵀλ to `sum`, which counts coordinates of the model.
     #[inline]
-    pub(crate) fn add_forces(&self, jacobian: &[f64], lambda: &[f64], sum: &mut [f64]) {
+    fn add_forces(&self, jacobian: &[f64], lambda: &[f64], sum: &mut [f64]) {
         let lambda = lambda[self.row];
         let entries = &jacobian[self.slot..][..self.count];
         for (sum, entry) in sum[self.coordinate..][..self.count].iter_mut().zip(entries) {
@@ -28,7 +29,7 @@ impl Span {
 
     /// As [`Span::add_forces`], all terms positive.
     #[inline]
-    pub(crate) fn add_sizes(&self, jacobian: &[f64], lambda: &[f64], sum: &mut [f64]) {
+    fn add_sizes(&self, jacobian: &[f64], lambda: &[f64], sum: &mut [f64]) {
         let lambda = lambda[self.row].abs();
         let entries = &jacobian[self.slot..][..self.count];
         for (sum, entry) in sum[self.coordinate..][..self.count].iter_mut().zip(entries) {
@@ -37,9 +38,43 @@ impl Span {
     }
 }
 
+/// The entries that are there, and compiled code for the blocks that have it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pulls {
+    spans: Vec<Span>,
+    systems: Vec<&'static System>,
+}
+
+impl Pulls {
+    /// Of blocks whose compiled code is used, and of spans of the others.
+    pub(crate) fn new(spans: Vec<Span>, systems: Vec<&'static System>) -> Self {
+        Pulls { spans, systems }
+    }
+
+    /// Puts Gᵀλ by coordinates of the model.
+    #[inline]
+    pub(crate) fn forces(&self, jacobian: &[f64], lambda: &[f64], sum: &mut [f64]) {
+        sum.fill(0.0);
+        self.systems.iter().for_each(|system| (system.pull)(jacobian, lambda, sum));
+        self.spans.iter().for_each(|span| span.add_forces(jacobian, lambda, sum));
+    }
+
+    /// As [`Pulls::forces`], all terms positive.
+    #[inline]
+    pub(crate) fn sizes(&self, jacobian: &[f64], lambda: &[f64], sum: &mut [f64]) {
+        sum.fill(0.0);
+        self.systems.iter().for_each(|system| (system.pull_sizes)(jacobian, lambda, sum));
+        self.spans.iter().for_each(|span| span.add_sizes(jacobian, lambda, sum));
+    }
+}
+
 /// The entries that are there in a Jacobian which was filled with what is not a number before it
 /// was written; those of driven coordinates are left out.
-pub(crate) fn spans(blocks: &[Block], driven: &[bool], jacobian: &[f64]) -> Vec<Span> {
+pub(crate) fn spans<'a>(
+    blocks: impl Iterator<Item = &'a Block>,
+    driven: &[bool],
+    jacobian: &[f64],
+) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     for block in blocks {
         let width = block.coordinates.len();
@@ -73,14 +108,14 @@ mod tests {
         let block = Block {
             coordinates: vec![2, 3, 5, 6],
             rows: vec![1],
-            parts: vec![vec![0, 1, 2, 3]],
+            parts: vec![4],
             matrix_offset: 0,
             constraint_offset: 10,
         };
         let mut jacobian = vec![f64::NAN; 14];
         jacobian[10..14].copy_from_slice(&[1.0, 2.0, 3.0, 4.0]);
         let driven = [false, false, false, false, false, false, true];
-        let found = spans(&[block], &driven, &jacobian);
+        let found = spans([&block].into_iter(), &driven, &jacobian);
         let span = |coordinate, slot, count| Span { row: 1, coordinate, slot, count };
         assert_eq!(found, [span(2, 10, 2), span(5, 12, 1)]);
         let mut sum = vec![0.0; 7];

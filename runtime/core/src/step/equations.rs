@@ -2,7 +2,9 @@
 
 use super::{Attempt, BALANCE, FLOOR, GAP_FLOOR, State, Stepper, Surroundings};
 use crate::internal;
+use crate::lanes::{Asked, LaneEvaluation};
 use crate::model::{Midpoint, Model};
+use crate::solve::Residuals;
 
 impl Stepper {
     /// Evaluates the equations at the increment and sets their tolerances. Returns the largest
@@ -51,10 +53,13 @@ impl Stepper {
         with_matrix: bool,
     ) {
         let h = around.h;
-        for i in 0..self.delta.len() {
-            self.q_mid[i] = state.q[i] + 0.5 * self.delta[i];
-            self.v_mid[i] = self.delta[i] / h;
-            self.q1[i] = state.q[i] + self.delta[i];
+        let count = self.delta.len();
+        let (q, q_mid, v_mid) =
+            (&state.q[..count], &mut self.q_mid[..count], &mut self.v_mid[..count]);
+        for ((i, delta), q1) in self.delta.iter().enumerate().zip(&mut self.q1) {
+            q_mid[i] = q[i] + 0.5 * delta;
+            v_mid[i] = delta / h;
+            *q1 = q[i] + delta;
         }
         for &c in &self.internal_list {
             self.v_mid[c] = internal::RATE * self.delta[c] / h + self.past[c];
@@ -66,11 +71,23 @@ impl Stepper {
             rest: around.rest,
             inputs: around.inputs,
         };
-        if with_matrix {
-            let matrix = &mut self.matrix;
-            model.evaluate_with_matrix(&at, h, &mut self.momentum, &mut self.force, matrix);
-        } else {
-            model.evaluate(&at, &mut self.momentum, &mut self.force);
+        let asked = Asked {
+            at,
+            momentum: &mut self.momentum,
+            force: &mut self.force,
+            matrix: with_matrix.then_some((h, &mut self.matrix)),
+        };
+        self.evaluates_on_lanes = self.evaluates_on_lanes && {
+            let constants = &mut self.lane_constants;
+            let mut evaluation = LaneEvaluation::new(asked, model.revision(), constants);
+            M::on_lanes(&[model], &mut evaluation)
+        };
+        if !self.evaluates_on_lanes {
+            let (momentum, force) = (&mut self.momentum, &mut self.force);
+            match with_matrix {
+                true => model.evaluate_with_matrix(&at, h, momentum, force, &mut self.matrix),
+                false => model.evaluate(&at, momentum, force),
+            }
         }
         if !self.lambda.is_empty() {
             model.constraints(&self.q1, around.t1, around.rest_end, &mut self.gap);
@@ -78,13 +95,11 @@ impl Stepper {
                 model.constraint_jacobian(&self.q1, around.t1, &mut self.g1);
             }
         }
-        self.pull.fill(0.0);
-        for span in &self.spans {
-            span.add_forces(&self.g0, &self.lambda, &mut self.pull);
-        }
-        for c in 0..self.residual.len() {
-            let impulse = 0.5 * h * self.force[c] - self.pull[c];
-            self.residual[c] = state.p[c] + impulse - self.momentum[c];
+        self.pulls.forces(&self.g0, &self.lambda, &mut self.pull);
+        let (p, momentum) = (&state.p[..count], &self.momentum[..count]);
+        let (force, pull) = (&self.force[..count], &self.pull[..count]);
+        for (c, residual) in self.residual.iter_mut().enumerate() {
+            *residual = p[c] + (0.5 * h * force[c] - pull[c]) - momentum[c];
         }
         for &c in &self.driven_list {
             self.residual[c] = 0.0;
@@ -96,14 +111,12 @@ impl Stepper {
         for c in 0..self.size.len() {
             self.size[c] = state.q[c].abs().max(self.floor_scale[c]);
         }
-        let (sensitivity, per_gap) = (&mut self.sensitivity, &mut self.per_gap);
+        let matrices = (&self.matrix[..], &self.g1[..]);
         for block in &self.blocks {
-            block.sensitivities(
-                (&self.matrix, &self.g1),
-                &self.size,
-                |c, sum| sensitivity[c] = sum,
-                |row, sum| per_gap[row] = per(GAP_FLOOR * sum),
-            );
+            block.sensitivities(matrices, &self.size, &mut self.sensitivity, &mut self.per_gap);
+            for &row in &block.rows {
+                self.per_gap[row] = per(GAP_FLOOR * self.per_gap[row]);
+            }
         }
         // Where its strands go slack nothing is left of a balance's stiffness but what it has been.
         for (&c, stiffest) in self.static_list.iter().zip(&mut self.stiffest) {
@@ -115,28 +128,29 @@ impl Stepper {
     /// Tolerance of each equation: what rounding of the coordinates does to it, or what is asked
     /// for relative to its momenta, whichever is larger.
     pub(super) fn set_scales(&mut self, state: &State, around: &Surroundings) {
-        self.bound.copy_from_slice(&self.sensitivity);
-        for span in &self.spans {
-            span.add_sizes(&self.g0, &self.lambda, &mut self.bound);
-        }
-        for c in 0..self.per_scale.len() {
-            let impulse = 0.5 * around.h * self.force[c];
-            let p = state.p[c].abs();
-            let asked = p + self.momentum[c].abs() + impulse.abs();
-            let floor = FLOOR * p.max(self.bound[c]);
-            self.per_scale[c] = per(floor.max(self.tolerance * asked));
+        self.pulls.sizes(&self.g0, &self.lambda, &mut self.bound);
+        let count = self.per_scale.len();
+        let (momentum, force) = (&self.momentum[..count], &self.force[..count]);
+        let (p, bound) = (&state.p[..count], &self.bound[..count]);
+        let sensitivity = &self.sensitivity[..count];
+        for (c, place) in self.per_scale.iter_mut().enumerate() {
+            let (p, impulse) = (p[c].abs(), 0.5 * around.h * force[c]);
+            let asked = p + momentum[c].abs() + impulse.abs();
+            let floor = FLOOR * p.max(sensitivity[c] + bound[c]);
+            *place = per(floor.max(self.tolerance * asked));
         }
     }
 
     /// Largest residual in units of its tolerance; NaN where any is not finite.
     pub(super) fn merit(&self) -> f64 {
         let (mut worst, mut finite) = (0.0, true);
-        let residuals = self.residual.iter().zip(&self.per_scale);
-        for (residual, per_scale) in residuals.chain(self.gap.iter().zip(&self.per_gap)) {
+        let mut keep = |(residual, per_scale): (&f64, &f64)| {
             let ratio = residual.abs() * per_scale;
             finite &= ratio < f64::INFINITY;
             worst = if ratio > worst { ratio } else { worst };
-        }
+        };
+        self.residual.iter().zip(&self.per_scale).for_each(&mut keep);
+        self.gap.iter().zip(&self.per_gap).for_each(&mut keep);
         if finite { worst } else { f64::NAN }
     }
 
@@ -158,10 +172,7 @@ impl Stepper {
         self.newton_step();
         self.move_by(1.0);
         self.residual.fill(0.0);
-        self.pull.fill(0.0);
-        for span in &self.spans {
-            span.add_forces(&self.g0, &self.lambda, &mut self.pull);
-        }
+        self.pulls.forces(&self.g0, &self.lambda, &mut self.pull);
         let h = around.h;
         for c in 0..self.delta.len() {
             self.q1[c] = state.q[c] + self.delta[c];
@@ -186,39 +197,26 @@ impl Stepper {
 
     /// The full correction, from the residual at hand and the factors kept.
     pub(super) fn newton_step(&mut self) {
+        let of = Residuals {
+            residual: &self.residual,
+            gaps: &self.gap,
+            pull: &self.pull,
+            lambda: &self.lambda,
+        };
         for block in &mut self.blocks {
-            let (n, m) = (block.coordinates.len(), block.rows.len());
-            let (step, change) = (&mut self.block_step[..n], &mut self.block_lambda[..m]);
-            for (r, &c) in step.iter_mut().zip(&block.coordinates) {
-                *r = self.residual[c];
-            }
-            for (gap, &row) in change.iter_mut().zip(&block.rows) {
-                *gap = self.gap[row];
-            }
-            let regular = block.is_regular();
-            if !regular {
-                // The residual at λ = 0: the solve then gives the whole multiplier.
-                for (r, &c) in step.iter_mut().zip(&block.coordinates) {
-                    *r += self.pull[c];
-                }
-            }
-            block.solve(step, change);
-            for (x, &c) in step.iter().zip(&block.coordinates) {
-                self.newton[c] = *x;
-            }
-            for (x, &row) in change.iter().zip(&block.rows) {
-                self.newton_lambda[row] = if regular { *x } else { x - self.lambda[row] };
-            }
+            block.correct(&of, &mut self.newton, &mut self.newton_lambda);
         }
     }
 
     /// Puts the increment at a fraction of the correction beyond the last one.
     pub(super) fn move_by(&mut self, fraction: f64) {
-        for i in 0..self.delta.len() {
-            self.delta[i] = self.trial[i] + fraction * self.newton[i];
+        let moves = self.trial.iter().zip(&self.newton);
+        for (to, (from, step)) in self.delta.iter_mut().zip(moves) {
+            *to = from + fraction * step;
         }
-        for i in 0..self.lambda.len() {
-            self.lambda[i] = self.trial_lambda[i] + fraction * self.newton_lambda[i];
+        let moves = self.trial_lambda.iter().zip(&self.newton_lambda);
+        for (to, (from, step)) in self.lambda.iter_mut().zip(moves) {
+            *to = from + fraction * step;
         }
     }
 

@@ -24,7 +24,8 @@ use crate::lanes::LaneConstants;
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
 use crate::predict::{Differences, Predictor};
-use crate::solve::{BlockSystem, Span, spans};
+use crate::solve::{BlockSystem, Pulls, spans};
+use crate::system::System;
 use renewal::Renewal;
 
 /// Gaps of constraints below this many units of rounding of the coordinates are closed.
@@ -127,15 +128,13 @@ pub struct Stepper {
     size: Vec<f64>,
     /// Σ|Jᵢⱼ|·size(j) of the matrix at hand.
     sensitivity: Vec<f64>,
-    /// The same and the sizes of the terms of Dh(q0)ᵀλ.
+    /// Sizes of the terms of Dh(q0)ᵀλ.
     bound: Vec<f64>,
     /// 1 over the tolerance of each residual and each gap.
     per_scale: Vec<f64>,
     per_gap: Vec<f64>,
     newton: Vec<f64>,
     newton_lambda: Vec<f64>,
-    block_step: Vec<f64>,
-    block_lambda: Vec<f64>,
     condition: f64,
     predictor: Predictor,
     /// The driven coordinates by index.
@@ -150,8 +149,10 @@ pub struct Stepper {
     past: Vec<f64>,
     /// Whether every block is free of constraints and of drives, so that lanes can take the step.
     on_lanes: bool,
-    /// Which entries of the constraint Jacobian there are; unknown before the first step.
-    spans: Vec<Span>,
+    /// Whether the equations are evaluated on lanes where the step is not taken there.
+    evaluates_on_lanes: bool,
+    /// What constraints do to coordinates; unknown before the first step.
+    pulls: Pulls,
     structure_seen: bool,
     renewal: Renewal,
     lane_constants: LaneConstants,
@@ -210,8 +211,6 @@ impl Stepper {
             per_gap: vec![0.0; m],
             newton: vec![0.0; n],
             newton_lambda: vec![0.0; m],
-            block_step: vec![0.0; n],
-            block_lambda: vec![0.0; m],
             condition: f64::NAN,
             predictor: Predictor::new(&floor_scale, driven),
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
@@ -221,7 +220,8 @@ impl Stepper {
             past: vec![0.0; n],
             on_lanes: layout.rows.is_empty()
                 && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
-            spans: Vec::new(),
+            evaluates_on_lanes: true,
+            pulls: Pulls::default(),
             structure_seen: false,
             renewal: Renewal::new(0.0),
             lane_constants: LaneConstants::new(floor_scale),
@@ -285,7 +285,13 @@ impl Stepper {
         let mut probe = vec![f64::NAN; self.g0.len()];
         model.constraint_jacobian(&state.q, state.t, &mut probe);
         self.blocks.iter_mut().for_each(|block| block.see_structure(&probe));
-        self.spans = spans(&model.layout().blocks, &self.driven, &probe);
+        let blocks = &mut self.blocks;
+        let is_used = |system: &&'static System| blocks[system.block].use_system(system);
+        let systems: Vec<&'static System> = M::systems().iter().filter(is_used).collect();
+        let others = model.layout().blocks.iter().enumerate();
+        let others = others.filter(|(number, _)| systems.iter().all(|s| s.block != *number));
+        let spans = spans(others.map(|(_, block)| block), &self.driven, &probe);
+        self.pulls = Pulls::new(spans, systems);
         let costs = self.blocks.iter().map(BlockSystem::costs);
         let [make, serve] = costs.fold([0.0, 1.0], |[a, b], [x, y]| [a + x, b + y]);
         self.renewal = Renewal::new(make / serve);

@@ -74,9 +74,14 @@ impl Renewal {
             self.left = self.left.saturating_sub(1);
             return;
         }
-        // Where old factors did not serve, trying them was a waste: ever more steps go by before it
-        // is done again.
-        self.pause = if self.serves { 0 } else { (2 * self.pause).clamp(1, LONGEST_PAUSE) };
+        // Where old factors did not serve, or no better than new ones would have, trying them was a
+        // waste: ever more steps go by before it is done again.
+        let extra = (corrections - self.fewest) as f64;
+        self.pause = if self.serves && extra < self.price {
+            0
+        } else {
+            (2 * self.pause).clamp(1, LONGEST_PAUSE)
+        };
         self.left = self.pause;
     }
 

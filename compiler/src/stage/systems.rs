@@ -1,0 +1,426 @@
+//! Linear systems of constrained blocks, eliminated on symbols.
+//!
+//! Part by part: a part whose coordinates can satisfy all rows that touch it is eliminated together
+//! with them, those touched by the fewest rows first; so the fingertips on a ball leave six equations
+//! for the ball. What is left are rows of parts that are all gone. Within a part the coordinate comes
+//! next that has the fewest neighbours. No two rows are exchanged: matrices of motion are definite but
+//! for terms in the step, and how far a pivot has shrunk is returned to the caller.
+
+use super::parts::{Part, parts};
+use super::{Module, Task};
+use crate::emit::{Output, Place};
+use crate::graph::{Leaf, Sym, SystemArray};
+use handc_core::layout::Block;
+use handc_core::scalar::Scalar;
+use handc_runtime::structure::Structure;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Products in the elimination of a system that is written out at most.
+const LARGEST: usize = 5000;
+
+/// The system of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct System {
+    /// Its block.
+    pub block: usize,
+    /// How many numbers its factors are.
+    pub factors: usize,
+}
+
+/// The systems of all constrained blocks that are small enough, and their functions. `tasks` are those
+/// of the parts and of the constraints: what they write is what there is.
+pub(super) fn systems(structure: &Structure, tasks: &[Task]) -> (Vec<System>, Vec<Task>) {
+    let written = |name: &str| -> BTreeSet<usize> {
+        let outputs = tasks.iter().filter(|task| task.name == name).flat_map(|t| &t.outputs);
+        let index = |output: &Output| match output.place {
+            Place::Element { array: "matrix" | "jacobian", index } => Some(index),
+            _ => None,
+        };
+        outputs.filter_map(index).collect()
+    };
+    let there = [written("evaluate_with_matrix"), written("jacobian")];
+    let (mut systems, mut made) = (Vec::new(), Vec::new());
+    for (number, block) in structure.blocks.iter().enumerate() {
+        if block.rows.is_empty() {
+            continue;
+        }
+        let Some(elimination) = Elimination::run(block, &there) else { continue };
+        let tasks = elimination.tasks(systems.len());
+        systems.push(System { block: number, factors: elimination.factors.len() });
+        made.push(sensitivities(systems.len() - 1, block, &there));
+        made.extend(pulls(systems.len() - 1, block, &there[1]));
+        made.extend(tasks);
+    }
+    (systems, made)
+}
+
+fn leaf(array: SystemArray, index: usize) -> Sym {
+    Sym::leaf(Leaf::System(array, index as u32))
+}
+
+fn output(array: &'static str, index: usize, value: Sym, label: &str) -> Output {
+    Output { place: Place::Element { array, index }, value, label: label.to_owned() }
+}
+
+fn task(system: usize, name: &'static str, doc: &str, outputs: Vec<Output>) -> Task {
+    Task { module: Module::System(system), name, doc: vec![doc.to_owned()], outputs }
+}
+
+/// Sums of sizes, row by row.
+fn sensitivities(system: usize, block: &Block, [matrix, jacobian]: &[BTreeSet<usize>; 2]) -> Task {
+    let width = block.coordinates.len();
+    let sum = |first: usize, array, there: &BTreeSet<usize>| {
+        let terms = there.range(first..first + width).map(|&slot| {
+            let coordinate = block.coordinates[slot - first];
+            leaf(array, slot).abs() * leaf(SystemArray::Size, coordinate)
+        });
+        terms.fold(Sym::zero(), |sum, term| sum + term)
+    };
+    let mut outputs = Vec::new();
+    for (i, &c) in block.coordinates.iter().enumerate() {
+        let sum = sum(block.matrix_offset + i * width, SystemArray::Matrix, matrix);
+        outputs.push(output("sensitivity", c, sum, "sum"));
+    }
+    for (k, &row) in block.rows.iter().enumerate() {
+        let sum = sum(block.constraint_offset + k * width, SystemArray::After, jacobian);
+        outputs.push(output("row_sensitivity", row, sum, "sum"));
+    }
+    task(
+        system,
+        "sensitivities",
+        "Sums of |Jᵢⱼ|·size(j) by coordinates and of |G₁|·size by rows.",
+        outputs,
+    )
+}
+
+/// What the constraints do to the coordinates: the sum of their impulses, and that of their sizes.
+fn pulls(system: usize, block: &Block, jacobian: &BTreeSet<usize>) -> [Task; 2] {
+    let width = block.coordinates.len();
+    let lambda = |row: usize| Sym::leaf(Leaf::Lambda(row as u32));
+    let sums = |array: &'static str, term: &dyn Fn(Sym, Sym) -> Sym| -> Vec<Output> {
+        let column = |i: usize| {
+            let rows = block.rows.iter().enumerate();
+            let rows = rows.map(|(k, &row)| (block.constraint_offset + k * width + i, row));
+            let rows = rows.filter(|(slot, _)| jacobian.contains(slot));
+            let terms = rows.map(|(slot, row)| term(leaf(SystemArray::Before, slot), lambda(row)));
+            terms.fold(Sym::zero(), |sum, term| sum + term)
+        };
+        let coordinates = block.coordinates.iter().enumerate();
+        coordinates.map(|(i, &c)| output(array, c, column(i), array)).collect()
+    };
+    let pull = sums("pull", &|g, lambda| g * lambda);
+    let sizes = sums("sizes", &|g, lambda| (g * lambda).abs());
+    [
+        task(system, "pull", "Impulses G₀ᵀλ by coordinates.", pull),
+        task(system, "pull_sizes", "Sizes of the terms of G₀ᵀλ by coordinates.", sizes),
+    ]
+}
+
+/// A system on its way to factors. Unknowns count the block's coordinates, then its rows.
+struct Elimination<'a> {
+    block: &'a Block,
+    /// Entries that are not zero by structure, row by row.
+    rows: Vec<BTreeMap<usize, Sym>>,
+    /// The pivots so far, in order: unknown, its reciprocal among the factors.
+    order: Vec<(usize, usize)>,
+    /// Entries below each pivot: unknown and place among the factors; and beside it.
+    below: Vec<Vec<(usize, usize)>>,
+    beside: Vec<Vec<(usize, usize)>>,
+    factors: Vec<Sym>,
+    /// What each diagonal entry was before it began to shrink.
+    scale: Vec<Option<Sym>>,
+    shrinkage: Sym,
+    products: usize,
+}
+
+impl<'a> Elimination<'a> {
+    /// Eliminates everything; `None` where that is too long or meets a structural zero.
+    fn run(block: &'a Block, there: &[BTreeSet<usize>; 2]) -> Option<Self> {
+        let mut elimination = Self::new(block, there);
+        let first_row = block.coordinates.len();
+        let mut open: Vec<(Part, usize)> = Vec::new();
+        for (range, part) in block.part_ranges().zip(parts(std::slice::from_ref(block))) {
+            open.push((part, range.start));
+        }
+        while !open.is_empty() {
+            let held = |&(part, first): &(Part, usize)| -> Vec<usize> {
+                let mut rows: Vec<usize> = (first..first + part.coordinates.len())
+                    .flat_map(|i| elimination.rows[i].keys().copied())
+                    .filter(|&unknown| unknown >= first_row)
+                    .collect();
+                rows.sort_unstable();
+                rows.dedup();
+                rows.retain(|&row| !elimination.is_done(row));
+                rows
+            };
+            let counts = open.iter().map(|part| held(part).len());
+            let (next, _) = counts.enumerate().min_by_key(|&(_, count)| count)?;
+            let (part, first) = open[next];
+            let rows = held(&open[next]);
+            open.remove(next);
+            elimination.eliminate((first..first + part.coordinates.len()).collect())?;
+            if rows.len() <= part.coordinates.len() {
+                elimination.eliminate(rows)?;
+            }
+        }
+        let last = (first_row..first_row + block.rows.len()).collect::<Vec<_>>();
+        let left = last.into_iter().filter(|&row| !elimination.is_done(row)).collect();
+        elimination.eliminate(left)?;
+        Some(elimination)
+    }
+
+    fn new(block: &'a Block, [matrix, jacobian]: &[BTreeSet<usize>; 2]) -> Self {
+        let (n, m) = (block.coordinates.len(), block.rows.len());
+        let mut rows = vec![BTreeMap::new(); n + m];
+        for &slot in matrix.range(block.matrix_offset..block.matrix_offset + n * n) {
+            let (i, j) = ((slot - block.matrix_offset) / n, (slot - block.matrix_offset) % n);
+            rows[i].insert(j, leaf(SystemArray::Matrix, slot));
+        }
+        for &slot in jacobian.range(block.constraint_offset..block.constraint_offset + n * m) {
+            let (k, j) =
+                ((slot - block.constraint_offset) / n, (slot - block.constraint_offset) % n);
+            rows[j].insert(n + k, -leaf(SystemArray::Before, slot));
+            rows[n + k].insert(j, leaf(SystemArray::After, slot));
+        }
+        let scale = (0..n + m).map(|i| rows[i].get(&i).copied()).collect();
+        Elimination {
+            block,
+            order: Vec::new(),
+            below: vec![Vec::new(); n + m],
+            beside: vec![Vec::new(); n + m],
+            rows,
+            factors: Vec::new(),
+            scale,
+            shrinkage: Sym::one(),
+            products: 0,
+        }
+    }
+
+    fn is_done(&self, unknown: usize) -> bool {
+        self.order.iter().any(|&(done, _)| done == unknown)
+    }
+
+    /// Eliminates some unknowns, those with the fewest neighbours first.
+    fn eliminate(&mut self, mut unknowns: Vec<usize>) -> Option<()> {
+        while !unknowns.is_empty() {
+            let with_pivot =
+                unknowns.iter().enumerate().filter(|(_, u)| self.rows[**u].contains_key(u));
+            let (next, _) = with_pivot.min_by_key(|(_, u)| self.rows[**u].len())?;
+            self.pivot(unknowns.remove(next));
+            if self.products > LARGEST {
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    fn keep(&mut self, value: Sym) -> usize {
+        self.factors.push(value);
+        self.factors.len() - 1
+    }
+
+    fn pivot(&mut self, pivot: usize) {
+        let is_coordinate = pivot < self.block.coordinates.len();
+        let row = std::mem::take(&mut self.rows[pivot]);
+        let diagonal = row[&pivot];
+        let reciprocal = diagonal.recip();
+        if let Some(scale) = self.scale[pivot].filter(|&scale| scale != diagonal) {
+            self.shrinkage = self.shrinkage.max((scale * reciprocal).abs());
+        }
+        let place = self.keep(reciprocal);
+        self.order.push((pivot, place));
+        let beside: Vec<(usize, Sym)> = row.into_iter().filter(|&(j, _)| j != pivot).collect();
+        for &(j, value) in &beside {
+            let place = self.keep(value);
+            self.beside[pivot].push((j, place));
+        }
+        for other in 0..self.rows.len() {
+            let Some(entry) = self.rows[other].remove(&pivot) else { continue };
+            let factor = entry * reciprocal;
+            let place = self.keep(factor);
+            self.below[pivot].push((other, place));
+            for &(j, value) in &beside {
+                self.products += 1;
+                let entry = self.rows[other].entry(j).or_insert_with(Sym::zero);
+                *entry -= factor * value;
+            }
+            // A multiplier's pivot is made by coordinates and unmade by other multipliers.
+            if is_coordinate && other >= self.block.coordinates.len() {
+                self.scale[other] = self.rows[other].get(&other).copied();
+            }
+        }
+    }
+
+    /// The functions that factor and solve.
+    fn tasks(&self, system: usize) -> [Task; 2] {
+        let factors = self.factors.iter().enumerate();
+        let mut outputs: Vec<Output> =
+            factors.map(|(i, &value)| output("factors", i, value, "factor")).collect();
+        outputs.push(Output {
+            place: Place::Return,
+            value: self.shrinkage,
+            label: "shrinkage".to_owned(),
+        });
+        let factor = |place: usize| leaf(SystemArray::Factors, place);
+        let n = self.block.coordinates.len();
+        let residuals = self.block.coordinates.iter().map(|&c| -leaf(SystemArray::Residual, c));
+        let gaps = self.block.rows.iter().map(|&row| -leaf(SystemArray::Gaps, row));
+        let mut x: Vec<Sym> = residuals.chain(gaps).collect();
+        for &(pivot, _) in &self.order {
+            for &(other, place) in &self.below[pivot] {
+                x[other] = x[other] - factor(place) * x[pivot];
+            }
+        }
+        for &(pivot, reciprocal) in self.order.iter().rev() {
+            for &(other, place) in &self.beside[pivot] {
+                x[pivot] = x[pivot] - factor(place) * x[other];
+            }
+            x[pivot] = x[pivot] * factor(reciprocal);
+        }
+        let steps = self.block.coordinates.iter().zip(&x);
+        let mut solution: Vec<Output> =
+            steps.map(|(&c, &value)| output("step", c, value, "step")).collect();
+        let changes = self.block.rows.iter().zip(&x[n..]);
+        solution.extend(changes.map(|(&row, &value)| output("change", row, value, "change")));
+        [
+            task(
+                system,
+                "factor",
+                "Factors of J and of G₁J⁻¹G₀ᵀ in the order of elimination; returns by how much the \
+                 smallest pivot has shrunk.",
+                outputs,
+            ),
+            task(
+                system,
+                "solve",
+                "Solves Jδ − G₀ᵀμ = −r and G₁δ = −c for the step δ and the change μ of the \
+                 multipliers.",
+                solution,
+            ),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::{evaluate, with_new};
+    use handc_core::linalg::Lu;
+
+    /// Two fingers and a ball, held by two and three rows.
+    fn block() -> Block {
+        Block {
+            coordinates: vec![4, 5, 6, 0, 1, 7, 8, 9],
+            rows: vec![2, 3, 4, 6, 5],
+            parts: vec![3, 2, 3],
+            matrix_offset: 3,
+            constraint_offset: 2,
+        }
+    }
+
+    /// Which parts each row touches.
+    const TOUCHED: [[bool; 3]; 5] = [
+        [true, false, true],
+        [true, false, true],
+        [false, true, true],
+        [false, true, true],
+        [true, true, false],
+    ];
+
+    /// A number without pattern.
+    fn number(index: usize, salt: usize) -> f64 {
+        ((index * 7919 + salt * 104_729 + 13) % 1009) as f64 / 1009.0 - 0.5
+    }
+
+    /// Entries of a packed matrix or Jacobian; what is not there stays zero.
+    fn packed(there: &BTreeSet<usize>, salt: usize, size: usize) -> Vec<f64> {
+        (0..size).map(|i| if there.contains(&i) { number(i, salt) } else { 0.0 }).collect()
+    }
+
+    #[test]
+    fn solves_what_a_dense_solver_solves() {
+        let block = block();
+        let (n, m) = (block.coordinates.len(), block.rows.len());
+        let ranges: Vec<_> = block.part_ranges().collect();
+        let mut matrix_there = BTreeSet::new();
+        for part in parts(std::slice::from_ref(&block)) {
+            matrix_there.extend(part.slots());
+        }
+        let mut jacobian_there = BTreeSet::new();
+        for (k, touched) in TOUCHED.iter().enumerate() {
+            for (range, _) in ranges.iter().zip(touched).filter(|(_, touched)| **touched) {
+                jacobian_there.extend(range.clone().map(|j| block.constraint_offset + k * n + j));
+            }
+        }
+        let mut matrix = packed(&matrix_there, 1, 3 + n * n);
+        (0..n).for_each(|i| matrix[3 + i * (n + 1)] -= 3.0);
+        let before = packed(&jacobian_there, 2, 2 + n * m);
+        let after = packed(&jacobian_there, 3, 2 + n * m);
+        let residual: Vec<f64> = (0..10).map(|i| number(i, 4)).collect();
+        let gaps: Vec<f64> = (0..7).map(|i| number(i, 5)).collect();
+        let size: Vec<f64> = (0..10).map(|i| 1.0 + number(i, 6)).collect();
+        let lambda: Vec<f64> = (0..7).map(|i| number(i, 7)).collect();
+        let found = with_new(|| {
+            let there = [matrix_there, jacobian_there];
+            let elimination = Elimination::run(&block, &there).unwrap();
+            let mut tasks = elimination.tasks(0).to_vec();
+            tasks.push(sensitivities(0, &block, &there));
+            tasks.extend(pulls(0, &block, &there[1]));
+            let mut factors = Vec::new();
+            let mut found: Vec<(Place, f64)> = Vec::new();
+            for task in tasks {
+                let values: Vec<Sym> = task.outputs.iter().map(|output| output.value).collect();
+                let values = evaluate(&values, |leaf| match leaf {
+                    Leaf::System(SystemArray::Matrix, i) => matrix[i as usize],
+                    Leaf::System(SystemArray::Before, i) => before[i as usize],
+                    Leaf::System(SystemArray::After, i) => after[i as usize],
+                    Leaf::System(SystemArray::Size, i) => size[i as usize],
+                    Leaf::System(SystemArray::Residual, i) => residual[i as usize],
+                    Leaf::System(SystemArray::Gaps, i) => gaps[i as usize],
+                    Leaf::System(SystemArray::Factors, i) => factors[i as usize],
+                    Leaf::Lambda(i) => lambda[i as usize],
+                    other => panic!("reads {other:?}"),
+                });
+                if task.name == "factor" {
+                    factors.clone_from(&values);
+                }
+                found.extend(task.outputs.iter().map(|o| o.place.clone()).zip(values));
+            }
+            found
+        });
+        let of = |array: &'static str, index: usize| -> f64 {
+            let place = Place::Element { array, index };
+            found.iter().find(|(found, _)| *found == place).unwrap().1
+        };
+        let g = |jacobian: &[f64], k: usize, j: usize| jacobian[2 + k * n + j];
+        let mut dense = Lu::new(n + m);
+        for i in 0..n {
+            let row = dense.row_mut(i);
+            row[..n].copy_from_slice(&matrix[3 + i * n..][..n]);
+            (0..m).for_each(|k| row[n + k] = -g(&before, k, i));
+        }
+        for k in 0..m {
+            (0..n).for_each(|j| dense.row_mut(n + k)[j] = g(&after, k, j));
+        }
+        let condition = dense.factor().condition();
+        let mut x: Vec<f64> = block.coordinates.iter().map(|&c| -residual[c]).collect();
+        x.extend(block.rows.iter().map(|&row| -gaps[row]));
+        dense.solve(&mut x);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12 * condition * (1.0 + b.abs());
+        for (i, &c) in block.coordinates.iter().enumerate() {
+            assert!(close(of("step", c), x[i]), "step {i}");
+            let row = (0..n).map(|j| matrix[3 + i * n + j].abs() * size[block.coordinates[j]]);
+            assert!(close(of("sensitivity", c), row.sum()));
+            let pulls = || (0..m).map(|k| g(&before, k, i) * lambda[block.rows[k]]);
+            assert!(close(of("pull", c), pulls().sum()));
+            assert!(close(of("sizes", c), pulls().map(f64::abs).sum()));
+        }
+        for (k, &row) in block.rows.iter().enumerate() {
+            assert!(close(of("change", row), x[n + k]), "change {k}");
+            let terms = (0..n).map(|j| g(&after, k, j).abs() * size[block.coordinates[j]]);
+            assert!(close(of("row_sensitivity", row), terms.sum()));
+        }
+        let shrinkage = found.iter().find(|(place, _)| *place == Place::Return).unwrap().1;
+        assert!((1.0..1e6).contains(&shrinkage), "{shrinkage}");
+    }
+}
