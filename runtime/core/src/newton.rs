@@ -14,7 +14,7 @@
 //! changes the impulse. How wrong that has been for the correction before tells whether it will do.
 
 use crate::internal::RATE;
-use crate::lane::Lane;
+use crate::lane::{Lane, load, store};
 use crate::shape::{Local, Shape};
 use crate::step::{BALANCE, FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
 
@@ -120,14 +120,8 @@ impl<L: Lane, const N: usize> Residual<L, N> {
     /// Half the step's impulse (h/2)f after a correction that leaves no residual: what the correction
     /// takes from the residual and not from the momentum, which changes by the mass matrix over h.
     #[inline(always)]
-    fn foretell<const M: usize>(
-        &self,
-        correction: &[L; N],
-        mass: &[L; M],
-        half_h: L,
-        per_h: L,
-    ) -> [L; N] {
-        let mut impulse = multiply::<L, N, M>(mass, correction);
+    fn foretell(&self, correction: &[L; N], mass: &[f64], half_h: L, per_h: L) -> [L; N] {
+        let mut impulse = multiply::<L, N>(mass, correction);
         for i in 0..N {
             let taken = per_h.mul_add(impulse[i], self.r[i]);
             impulse[i] = half_h.mul_sub(self.force[i], taken);
@@ -149,13 +143,16 @@ impl<L: Lane, const N: usize> Residual<L, N> {
 }
 
 /// The inverse of the Newton matrix that is kept from step to step, and what goes with it.
-pub(crate) struct Kept<L, const N: usize, const M: usize> {
+///
+/// Matrices stay in memory, the lanes of one entry side by side: copies would cost as much as what is
+/// done with them.
+pub(crate) struct Kept<'v> {
     /// The inverse, by rows.
-    pub(crate) inverse: [L; M],
+    pub(crate) inverse: &'v mut [f64],
     /// The mass matrix, by rows.
-    pub(crate) mass: [L; M],
+    pub(crate) mass: &'v mut [f64],
     /// Σ|Jᵢⱼ|·size(j) of each row of the Newton matrix.
-    pub(crate) sensitivity: [L; N],
+    pub(crate) sensitivity: &'v mut [f64],
     /// Whether it is there and is to be tried.
     pub(crate) serves: bool,
 }
@@ -173,7 +170,7 @@ pub(crate) fn newton<
 >(
     start: &Start<L, N, Q, S, U>,
     constants: &[f64],
-    kept: &mut Kept<L, N, M>,
+    kept: &mut Kept,
     balances: &mut Option<Balances<L, N>>,
 ) -> End<L, N, Q> {
     let zero = L::splat(0.0);
@@ -200,25 +197,28 @@ pub(crate) fn newton<
     let (mut renews, mut is_corrected) = (!kept.serves, false);
     for pass in 0..PASSES {
         put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
+        let mut good = L::ALL;
         if renews {
             if end.matrices == MATRICES {
                 break;
             }
             end.matrices += 1;
-            kept.inverse = [zero; M];
+            let mut matrix = [zero; M];
             let (momentum, force) = (&mut at.momentum, &mut at.force);
-            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut kept.inverse);
-            kept.mass = [zero; M];
-            Sh::mass_matrix(&local.q, constants, &mut kept.mass);
-            kept.sensitivity = sensitivities(start, &kept.inverse, balances);
+            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut matrix);
+            store(&sensitivities(start, &matrix, balances), kept.sensitivity);
+            good = invert::<L, N, M>(&mut matrix);
+            store(&matrix, kept.inverse);
+            let mut mass = [zero; M];
+            Sh::mass_matrix(&local.q, constants, &mut mass);
+            store(&mass, kept.mass);
         } else {
             Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
         }
         at.balance(start, half_h);
         if renews || pass == 0 {
-            per_scale = per_scales(start, &at, half_h, &kept.sensitivity);
+            per_scale = per_scales(start, &at, half_h, &load(kept.sensitivity));
         }
-        let good = if renews { invert::<L, N, M>(&mut kept.inverse) } else { L::ALL };
         let (merit, finite) = merit(&at.r, &per_scale);
         let converged = merit.less_equal(L::splat(1.0)) & finite & !done;
         hold(converged, &at.force, &mut end.force);
@@ -231,7 +231,7 @@ pub(crate) fn newton<
         if good | done != L::ALL {
             break;
         }
-        let mut next = multiply::<L, N, M>(&kept.inverse, &at.r);
+        let mut next = multiply::<L, N>(kept.inverse, &at.r);
         if is_corrected {
             let secant = Secant::new(&correction, &next, start);
             // What the correction did is told to the inverse, unless rounding did it.
@@ -246,7 +246,7 @@ pub(crate) fn newton<
                 let off = half_h.mul_sub(at.force[i], foretold[i]);
                 missed = missed.max(off.abs() * per_scale[i]);
             }
-            foretold = at.foretell(&next, &kept.mass, half_h, per_h);
+            foretold = at.foretell(&next, kept.mass, half_h, per_h);
             let left = missed.max(merit) * merit;
             let linear = left.less_equal(L::splat(LINEAR_END) * before) & finite & !done;
             if linear != 0 {
@@ -285,7 +285,7 @@ pub(crate) fn newton<
                 continue;
             }
             if told & !done != 0 {
-                secant.teach::<M>(told & !done, &mut kept.inverse, &next);
+                secant.teach(told & !done, kept.inverse, &next);
             }
             if done == L::ALL {
                 kept.serves = true;
@@ -303,7 +303,7 @@ pub(crate) fn newton<
         } else if finite | done != L::ALL {
             break;
         } else {
-            foretold = at.foretell(&next, &kept.mass, half_h, per_h);
+            foretold = at.foretell(&next, kept.mass, half_h, per_h);
         }
         end.iterations += 1;
         for i in 0..N {
@@ -367,19 +367,21 @@ impl<L: Lane, const N: usize> Secant<L, N> {
 
     /// Updates the inverse in the lanes whose bits are set; `next` has been stretched.
     #[inline(always)]
-    fn teach<const M: usize>(&self, bits: u8, inverse: &mut [L; M], next: &[L; N]) {
+    fn teach(&self, bits: u8, inverse: &mut [f64], next: &[L; N]) {
+        let inverse = &mut inverse[..N * N * L::WIDTH];
         let zero = L::splat(0.0);
         let mut row = [zero; N];
         for i in 0..N {
             let factor = L::choose(bits, self.weighted[i] * self.per_square, zero);
             for j in 0..N {
-                row[j] = factor.mul_add(inverse[i * N + j], row[j]);
+                row[j] = factor.mul_add(L::load(&inverse[(i * N + j) * L::WIDTH..]), row[j]);
             }
         }
         for i in 0..N {
             let next = L::choose(bits, next[i], zero);
             for j in 0..N {
-                inverse[i * N + j] = next.mul_add(row[j], inverse[i * N + j]);
+                let entry = &mut inverse[(i * N + j) * L::WIDTH..];
+                next.mul_add(row[j], L::load(entry)).store(entry);
             }
         }
     }
@@ -471,11 +473,12 @@ fn invert<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) -> u8 {
 
 /// Matrix times vector.
 #[inline(always)]
-fn multiply<L: Lane, const N: usize, const M: usize>(a: &[L; M], x: &[L; N]) -> [L; N] {
+fn multiply<L: Lane, const N: usize>(a: &[f64], x: &[L; N]) -> [L; N] {
+    let a = &a[..N * N * L::WIDTH];
     let mut product = [L::splat(0.0); N];
     for i in 0..N {
         for j in 0..N {
-            product[i] = a[i * N + j].mul_add(x[j], product[i]);
+            product[i] = L::load(&a[(i * N + j) * L::WIDTH..]).mul_add(x[j], product[i]);
         }
     }
     product
@@ -493,7 +496,7 @@ mod tests {
         assert_eq!(invert::<f64, 3, 9>(&mut inverse), 1);
         for i in 0..3 {
             let column: [f64; 3] = std::array::from_fn(|k| inverse[k * 3 + i]);
-            let unit = multiply::<f64, 3, 9>(&MATRIX, &column);
+            let unit = multiply::<f64, 3>(&MATRIX, &column);
             for (k, x) in unit.into_iter().enumerate() {
                 assert!((x - f64::from(u8::from(k == i))).abs() < 1e-15, "{unit:?}");
             }
@@ -521,18 +524,18 @@ mod tests {
         };
         // The residual r = A·x − b, linear.
         let mut r = [1.0, -2.0, 0.5];
-        let correction = multiply::<f64, 3, 9>(&inverse, &r);
-        let change = multiply::<f64, 3, 9>(&MATRIX, &correction);
+        let correction = multiply::<f64, 3>(&inverse, &r);
+        let change = multiply::<f64, 3>(&MATRIX, &correction);
         for i in 0..3 {
             r[i] -= change[i];
         }
-        let mut next = multiply::<f64, 3, 9>(&inverse, &r);
+        let mut next = multiply::<f64, 3>(&inverse, &r);
         let secant = Secant::new(&correction, &next, &start);
         assert_eq!(secant.is_sound(), 1);
         next = next.map(|x| secant.stretch * x);
-        secant.teach::<9>(1, &mut inverse, &next);
-        let told = multiply::<f64, 3, 9>(&inverse, &change);
-        let ahead = multiply::<f64, 3, 9>(&inverse, &r);
+        secant.teach(1, &mut inverse, &next);
+        let told = multiply::<f64, 3>(&inverse, &change);
+        let ahead = multiply::<f64, 3>(&inverse, &r);
         for i in 0..3 {
             assert!((told[i] - correction[i]).abs() < 1e-14, "the change leads to the correction");
             assert!((ahead[i] - next[i]).abs() < 1e-14, "and the next one was stretched rightly");

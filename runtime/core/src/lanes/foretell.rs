@@ -11,9 +11,8 @@
 //! missed, by the smallest change that would have foretold the last step (Kaczmarz' projection), so
 //! that it follows the motion through its configurations.
 
-use super::step::{load, store};
 use super::vector::Vector;
-use crate::lane::Lane;
+use crate::lane::{Lane, load, store};
 use crate::predict::{FADING, guess};
 
 /// Third differences below this, relative to the coordinates, are rounding.
@@ -23,14 +22,9 @@ const THIRD: usize = 3;
 
 /// The increments of the step at hand, with `known` increments (at least 2) behind it.
 #[inline(always)]
-pub(super) fn foretell<L: Lane, const N: usize, const M: usize>(
-    vector: &mut Vector,
-    known: usize,
-) -> [L; N] {
-    let mut echo = load::<L, M>(&vector.echo);
-    let per_size = load::<L, N>(&vector.per_size);
+pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usize) -> [L; N] {
     if vector.is_foretold {
-        learn(vector, &mut echo, &per_size);
+        learn::<L, N>(vector);
     }
     let (polynomial, least) = guess::<L, N>(known, &vector.differences, &vector.missed);
     if known <= THIRD + 1 {
@@ -44,9 +38,11 @@ pub(super) fn foretell<L: Lane, const N: usize, const M: usize>(
             foretold[i] = foretold[i] + difference[i];
         }
     }
+    let echo = &vector.echo[..N * N * L::WIDTH];
     for i in 0..N {
         for j in 0..N {
-            foretold[i] = echo[i * N + j].neg_mul_add(lead[j], foretold[i]);
+            let entry = L::load(&echo[(i * N + j) * L::WIDTH..]);
+            foretold[i] = entry.neg_mul_add(lead[j], foretold[i]);
         }
     }
     store(&foretold, &mut vector.foretold);
@@ -65,11 +61,8 @@ pub(super) fn foretell<L: Lane, const N: usize, const M: usize>(
 
 /// Learns from the last step.
 #[inline(always)]
-fn learn<L: Lane, const N: usize, const M: usize>(
-    vector: &mut Vector,
-    echo: &mut [L; M],
-    per_size: &[L; N],
-) {
+fn learn<L: Lane, const N: usize>(vector: &mut Vector) {
+    let per_size = load::<L, N>(&vector.per_size);
     let (lead, foretold) = (load::<L, N>(&vector.lead), load::<L, N>(&vector.foretold));
     let mut missed = load::<L, N>(&vector.differences);
     let mut weighted = lead;
@@ -85,13 +78,14 @@ fn learn<L: Lane, const N: usize, const M: usize>(
     L::load(&vector.missed_echo).mul_add(L::splat(FADING), size).store(&mut vector.missed_echo);
     let audible = L::splat(AUDIBLE * AUDIBLE).less(square) & size.less(L::splat(f64::INFINITY));
     let per_square = L::choose(audible, L::splat(1.0) / square, L::splat(0.0));
+    let echo = &mut vector.echo[..N * N * L::WIDTH];
     for i in 0..N {
         let share = L::choose(audible, missed[i] * per_square, L::splat(0.0));
         for j in 0..N {
-            echo[i * N + j] = share.neg_mul_add(weighted[j], echo[i * N + j]);
+            let entry = &mut echo[(i * N + j) * L::WIDTH..];
+            share.neg_mul_add(weighted[j], L::load(entry)).store(entry);
         }
     }
-    store(echo, &mut vector.echo);
 }
 
 #[cfg(test)]
@@ -118,7 +112,7 @@ mod tests {
         for step in 0..400 {
             let now = increments(step);
             if step >= 2 {
-                let guess: [f64; 2] = foretell::<f64, 2, 4>(&mut vector, step);
+                let guess: [f64; 2] = foretell::<f64, 2>(&mut vector, step);
                 missed.push((guess[0] - now[0]).abs().max((guess[1] - now[1]).abs()));
             }
             let mut misses = [0.0; DEGREES];

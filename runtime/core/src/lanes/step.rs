@@ -8,7 +8,7 @@ use super::foretell::foretell;
 use super::vector::Vector;
 use super::{LaneVisitor, RUNS};
 use crate::internal;
-use crate::lane::{Lane, Work, call};
+use crate::lane::{Lane, Work, call, load, store};
 use crate::newton::{Balances, Kept, Start, newton};
 use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
@@ -112,26 +112,6 @@ struct StepVector<
     shape: PhantomData<Sh>,
 }
 
-/// The first numbers of a list, each in all lanes.
-#[inline(always)]
-pub(super) fn load<L: Lane, const N: usize>(list: &[f64]) -> [L; N] {
-    let list = &list[..N * L::WIDTH];
-    let mut all = [L::splat(0.0); N];
-    for i in 0..N {
-        all[i] = L::load(&list[i * L::WIDTH..]);
-    }
-    all
-}
-
-/// The other way.
-#[inline(always)]
-pub(super) fn store<L: Lane, const N: usize>(all: &[L; N], list: &mut [f64]) {
-    let list = &mut list[..N * L::WIDTH];
-    for i in 0..N {
-        all[i].store(&mut list[i * L::WIDTH..]);
-    }
-}
-
 impl<
     Sh: Shape<N, M, Q, S, U>,
     const N: usize,
@@ -160,7 +140,7 @@ impl<
                 break;
             }
             if stretch.is_some() {
-                advance_lanes::<L>(vector, 0, known + k);
+                advance_lanes::<L>(vector, 0, known + k, [L::WIDTH, N]);
             }
         }
     }
@@ -197,7 +177,7 @@ fn step<
             }
             increments
         }
-        known => foretell::<L, N, M>(vector, known),
+        known => foretell::<L, N>(vector, known),
     };
     for i in 0..N {
         delta[i] = guessed[i];
@@ -224,23 +204,17 @@ fn step<
     if vector.made_for != vector.h {
         vector.renewal.forget();
     }
-    let mut kept = Kept::<L, N, M> {
-        inverse: load(&vector.inverse),
-        mass: load(&vector.mass),
-        sensitivity: load(&vector.sensitivity),
-        serves: !vector.renewal.begin(vector.h[0]),
-    };
-    let constants = &vector.constants;
+    let serves = !vector.renewal.begin(vector.h[0]);
+    let Vector { constants, inverse, mass, sensitivity, .. } = &mut *vector;
+    let mut kept = Kept { inverse, mass, sensitivity, serves };
     let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
-    store(&kept.inverse, &mut vector.inverse);
-    store(&kept.mass, &mut vector.mass);
-    store(&kept.sensitivity, &mut vector.sensitivity);
+    let serves = kept.serves;
     if end.matrices > 0 {
         vector.renewal.made(vector.h[0]);
         vector.made_for = vector.h;
     }
     vector.renewal.end(end.iterations);
-    if !kept.serves {
+    if !serves {
         vector.renewal.forget();
     }
     if let Some(balances) = balances {
