@@ -179,9 +179,7 @@ fn step<
         }
         known => foretell::<L, N>(vector, known),
     };
-    for i in 0..N {
-        delta[i] = guessed[i];
-    }
+    delta[..N].copy_from_slice(&guessed);
     for i in N..Q {
         delta[i] = L::load(&vector.ends[(i - N) * L::WIDTH..]) - q[i];
     }
@@ -221,9 +219,7 @@ fn step<
         store(&balances.stiffest, &mut vector.stiffest);
     }
     let mut delta = [L::splat(0.0); N];
-    for i in 0..N {
-        delta[i] = end.delta[i];
-    }
+    delta.copy_from_slice(&end.delta[..N]);
     store(&delta, &mut vector.delta);
     store(&end.force, &mut vector.force);
     vector.failed = end.failed;
