@@ -144,9 +144,7 @@ impl<
             }
             known => foretell::<L, N, M>(vector, known),
         };
-        for i in 0..N {
-            delta[i] = guessed[i];
-        }
+        delta[..N].copy_from_slice(&guessed);
         for i in N..Q {
             delta[i] = L::load(&vector.ends[(i - N) * L::WIDTH..]) - q[i];
         }
@@ -190,9 +188,7 @@ impl<
             store(&balances.stiffest, &mut vector.stiffest);
         }
         let mut delta = [L::splat(0.0); N];
-        for i in 0..N {
-            delta[i] = end.delta[i];
-        }
+        delta.copy_from_slice(&end.delta[..N]);
         store(&delta, &mut vector.delta);
         store(&end.force, &mut vector.force);
         (vector.failed, vector.iterations) = (end.failed, end.iterations);
