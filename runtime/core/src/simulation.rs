@@ -1,8 +1,10 @@
 //! A run of a scenario: parameters set, start found, natural lengths and drives fed, steps taken.
 
+mod lanes;
+
 use crate::error::{RunError, StepError, StepErrorKind};
 use crate::follow::Followed;
-use crate::lanes::{LaneConstants, LaneRun};
+use crate::lanes::Courses;
 use crate::layout::Layout;
 use crate::lookup::find_scenario;
 use crate::model::{Instant, Model, ScenarioValues};
@@ -61,6 +63,10 @@ pub struct Simulation<M> {
     start_lengths: Vec<f64>,
     /// Whether any strand's length is prescribed.
     is_prescribed: bool,
+    /// Whether there are inputs or natural lengths that the model gives.
+    is_fed: bool,
+    /// Whether any coordinate has its path given.
+    is_driven: bool,
     /// Whether any strand is a muscle.
     is_muscular: bool,
     statics: Statics,
@@ -72,6 +78,15 @@ pub struct Simulation<M> {
     followed: Vec<Followed>,
     driven_q: Vec<f64>,
     kinetic: Kinetic,
+}
+
+/// What a step needs, side by side.
+struct Parts<'a, M> {
+    model: &'a mut M,
+    state: &'a mut State,
+    stepper: &'a mut Stepper,
+    around: Surroundings<'a>,
+    courses: Courses<'a>,
 }
 
 impl<M: Model> Simulation<M> {
@@ -117,6 +132,7 @@ impl<M: Model> Simulation<M> {
         let mut lengths = vec![0.0; layout.strands.len()];
         model.strand_lengths(&q, &mut lengths);
         let tolerance = values.tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        let is_driven = driven.contains(&true);
         let mut simulation = Simulation {
             state: State::new(q, vec![0.0; n], v, layout.rows.len()),
             h,
@@ -137,6 +153,8 @@ impl<M: Model> Simulation<M> {
             start_lengths: lengths.clone(),
             rest: lengths,
             is_prescribed: layout.strands.iter().any(|s| s.is_prescribed),
+            is_fed: !layout.inputs.is_empty() || layout.strands.iter().any(|s| s.has_rest),
+            is_driven,
             is_muscular: layout.strands.iter().any(|s| s.muscle.is_some()),
             seen_q: vec![0.0; n],
             seen_v: vec![0.0; n],
@@ -147,6 +165,8 @@ impl<M: Model> Simulation<M> {
         };
         let started: Vec<usize> = values.start.iter().map(|&(c, _)| c).collect();
         simulation.find_start(&started)?;
+        let follows = simulation.follows();
+        simulation.stepper.lanes().follow(follows);
         Ok(simulation)
     }
 
@@ -255,12 +275,24 @@ impl<M: Model> Simulation<M> {
 
     /// Takes one step. On an error the state is untouched.
     pub fn step(&mut self) -> Result<(), RunError> {
+        if self.may_use_lanes() && self.step_on_lanes() {
+            return Ok(());
+        }
+        self.step_by_numbers()
+    }
+
+    /// As [`Simulation::step`], without lanes.
+    pub(crate) fn step_by_numbers(&mut self) -> Result<(), RunError> {
         self.prepare();
-        self.finish_alone()
+        if self.is_muscular {
+            self.excitable()?;
+        }
+        let Parts { model, state, stepper, around, .. } = self.parts();
+        Ok(stepper.step_by_numbers(model, state, &around)?)
     }
 
     /// Feeds what the next step needs.
-    pub(crate) fn prepare(&mut self) {
+    fn prepare(&mut self) {
         let t1 = self.next_time();
         if self.is_prescribed {
             self.feed(t1);
@@ -274,7 +306,18 @@ impl<M: Model> Simulation<M> {
         (self.state.step + 1) as f64 * self.h
     }
 
-    fn parts(&mut self) -> (&mut M, &mut State, &mut Stepper, Surroundings<'_>) {
+    fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings {
+            h: self.h,
+            t1: self.next_time(),
+            inputs: &self.inputs,
+            rest: &self.rest,
+            rest_end: &self.rest_end,
+            driven_q: &self.driven_q,
+        }
+    }
+
+    fn parts(&mut self) -> Parts<'_, M> {
         let around = Surroundings {
             h: self.h,
             t1: self.next_time(),
@@ -283,39 +326,9 @@ impl<M: Model> Simulation<M> {
             rest_end: &self.rest_end,
             driven_q: &self.driven_q,
         };
-        (&mut self.model, &mut self.state, &mut self.stepper, around)
-    }
-
-    /// Whether this run may take the prepared step on lanes.
-    pub(crate) fn is_on_lanes(&self) -> bool {
-        self.stepper.is_on_lanes() && !(self.is_muscular && self.excitable().is_err())
-    }
-
-    /// Room for constants of several such runs.
-    pub(crate) fn fresh_lane_constants(&mut self) -> LaneConstants {
-        self.stepper.lane_constants().fresh()
-    }
-
-    /// What lanes need of the prepared step.
-    pub(crate) fn lane_run(&mut self) -> (LaneRun<'_>, &M) {
-        let (model, state, stepper, around) = self.parts();
-        (stepper.lane_run(state, &around).0, model)
-    }
-
-    /// Ends the prepared step with what lanes have found.
-    pub(crate) fn finish_on_lanes(&mut self, iterations: usize) {
-        let (_, state, stepper, around) = self.parts();
-        stepper.iterations += iterations;
-        stepper.accept_increment(state, &around);
-    }
-
-    /// Takes the prepared step without the others.
-    pub(crate) fn finish_alone(&mut self) -> Result<(), RunError> {
-        if self.is_muscular {
-            self.excitable()?;
-        }
-        let (model, state, stepper, around) = self.parts();
-        Ok(stepper.step(model, state, &around)?)
+        let courses = Courses { poses: &self.poses, motions: &self.motions };
+        let (model, state, stepper) = (&mut self.model, &mut self.state, &mut self.stepper);
+        Parts { model, state, stepper, around, courses }
     }
 
     /// An error if a muscle is told what it cannot do in the prepared step.
@@ -358,26 +371,7 @@ impl<M: Model> Simulation<M> {
     /// Inputs and natural lengths at time t.
     fn feed(&mut self, t: f64) {
         self.feed_but_follow(t);
-        let mut constants = std::mem::take(self.stepper.lane_constants());
-        Self::follow(std::array::from_mut(self), [t], &mut constants);
-        *self.stepper.lane_constants() = constants;
-    }
-
-    /// As [`Simulation::prepare`], for several runs of one scenario.
-    pub(crate) fn prepare_together<const R: usize>(
-        runs: &mut [Self; R],
-        constants: &mut LaneConstants,
-    ) {
-        if runs[0].is_prescribed {
-            return runs.iter_mut().for_each(Simulation::prepare);
-        }
-        for run in runs.iter_mut() {
-            let t1 = run.next_time();
-            run.feed_but_follow(0.5 * (run.state.t + t1));
-            drives(&mut run.model, run.scenario, t1, &mut run.driven_q);
-        }
-        let t = runs.each_ref().map(|run| 0.5 * (run.state.t + run.next_time()));
-        Self::follow(runs, t, constants);
+        self.follow(t);
     }
 
     fn feed_but_follow(&mut self, t: f64) {
@@ -401,35 +395,14 @@ impl<M: Model> Simulation<M> {
         }
     }
 
-    /// Natural lengths of several runs of one scenario that follow motions.
-    fn follow<const R: usize>(runs: &mut [Self; R], t: [f64; R], constants: &mut LaneConstants) {
-        let Some(scenario) = runs[0].scenario else { return };
-        let layout = Arc::clone(&runs[0].layout);
-        for (index, follow) in layout.scenarios[scenario].follow.iter().enumerate() {
-            let mut times = t.iter();
-            let mut moved = false;
-            for run in runs.iter_mut() {
-                let (knots, t) = (&run.motions[follow.motion], times.next().copied());
-                let followed = &mut run.followed[index];
-                moved |= followed.move_to(&run.model, &run.poses, knots, t.unwrap_or(0.0));
-            }
-            if moved {
-                let mut followed =
-                    runs.each_mut().map(|run| std::mem::take(&mut run.followed[index]));
-                let models = runs.each_ref().map(|run| &run.model);
-                Followed::measure_on_lanes(&mut followed, models, constants);
-                for (run, followed) in runs.iter_mut().zip(followed) {
-                    run.followed[index] = followed;
-                }
-            }
-            for run in runs.iter_mut() {
-                let followed = &mut run.followed[index];
-                if follow.strands.iter().any(|&strand| followed.lengths()[strand].is_nan()) {
-                    followed.measure(&mut run.model);
-                }
-                for &strand in &follow.strands {
-                    run.rest[strand] = followed.lengths()[strand];
-                }
+    /// Natural lengths that follow motions.
+    fn follow(&mut self, t: f64) {
+        let Some(scenario) = self.scenario else { return };
+        let follows = &self.layout.scenarios[scenario].follow;
+        for (follow, followed) in follows.iter().zip(&mut self.followed) {
+            followed.move_to(&mut self.model, &self.poses, &self.motions[follow.motion], t);
+            for &strand in &follow.strands {
+                self.rest[strand] = followed.lengths()[strand];
             }
         }
     }

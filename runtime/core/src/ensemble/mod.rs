@@ -111,49 +111,29 @@ pub(crate) fn run<M: Model + Clone + Send + Sync>(
     }
 }
 
-/// Runs up to [`RUNS`] copies to their ends, together as long as none has failed.
+/// Runs up to [`RUNS`] copies to their ends.
 fn run_some<M: Model + Clone>(model: &M, settings: impl Iterator<Item = Settings>) -> Vec<One> {
-    let mut started: Vec<_> = settings.map(|s| Simulation::new(model.clone(), &s)).collect();
-    let mut errors: Vec<Option<RunError>> = started.iter().map(|_| None).collect();
-    if started.len() == RUNS && started.iter().all(Result::is_ok) {
-        let runs: Vec<Simulation<M>> = started.drain(..).flatten().collect();
-        match <[_; RUNS]>::try_from(runs) {
-            Ok(mut runs) => {
-                together(&mut runs, &mut errors);
-                started.extend(runs.map(Ok));
+    // What comes of every copy; of those that have started, when they have ended.
+    let mut ends = Vec::new();
+    let mut started = Vec::new();
+    for settings in settings {
+        match Simulation::new(model.clone(), &settings) {
+            Ok(run) => {
+                ends.push(One::default());
+                started.push((ends.len() - 1, run));
             }
-            Err(runs) => started.extend(runs.into_iter().map(Ok)),
+            Err(error) => ends.push(One { error: Some(error), ..One::default() }),
         }
     }
-    started.into_iter().zip(errors).map(|(run, error)| to_the_end(run, error)).collect()
-}
-
-/// Steps all runs until one of them fails.
-fn together<M: Model>(runs: &mut [Simulation<M>; RUNS], errors: &mut [Option<RunError>]) {
-    let mut together = Together::new(&mut runs[0]);
-    let steps = runs.each_ref().map(|run| run.steps).into_iter().min().unwrap_or(0);
-    for _ in 0..steps {
-        for (outcome, error) in together.step(runs).into_iter().zip(errors.iter_mut()) {
-            *error = outcome.err();
-        }
-        if errors.iter().any(Option::is_some) {
-            return;
-        }
+    let (numbers, runs): (Vec<usize>, Vec<Simulation<M>>) = started.into_iter().unzip();
+    let mut together = Together::new(runs);
+    while !together.is_over() {
+        together.step(|run, error| ends[numbers[run]].error = Some(error));
     }
-}
-
-/// Goes on with a copy until it ends or fails.
-fn to_the_end<M: Model>(run: Result<Simulation<M>, RunError>, mut error: Option<RunError>) -> One {
-    let mut simulation = match run {
-        Ok(simulation) => simulation,
-        Err(error) => {
-            return One { steps: 0, iterations: 0, last: Vec::new(), error: Some(error) };
-        }
-    };
-    while error.is_none() && simulation.state.step < simulation.steps {
-        error = simulation.step().err();
+    for (number, mut run) in numbers.into_iter().zip(together.into_runs()) {
+        let one = &mut ends[number];
+        row(&mut run, &mut one.last);
+        (one.steps, one.iterations) = (run.state.step, run.iterations());
     }
-    let mut last = Vec::new();
-    row(&mut simulation, &mut last);
-    One { steps: simulation.state.step, iterations: simulation.iterations(), last, error }
+    ends
 }

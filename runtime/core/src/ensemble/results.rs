@@ -8,6 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// One copy that has ended.
+#[derive(Debug, Default)]
 pub(super) struct One {
     pub(super) steps: usize,
     pub(super) iterations: usize,

@@ -43,6 +43,7 @@ pub(super) fn reduced<L: Lane>(x: L) -> (L, L) {
     let r = exact - second;
     // What the rounding of r lost is handed to both results to first order.
     let tail = n.neg_mul_add(L::splat(HALF_PI[2]), (exact - r) - second);
+    let tail = L::if_less_equal(x.abs(), L::splat(LARGEST_ANGLE), tail, L::splat(f64::NAN));
     let z = r * r;
     let (s, c) = (series(&SINE, z), series(&COSINE, z));
     let sine = r + (r * z).mul_add(s, tail);
