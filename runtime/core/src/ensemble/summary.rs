@@ -46,9 +46,9 @@ impl Summary {
         Ok(Summary { columns: columns.to_vec(), copies: vec![Vec::new(); copies] })
     }
 
-    /// Takes the rows of a copy.
-    pub(super) fn take(&mut self, copy: usize, rows: Vec<f64>) {
-        self.copies[copy] = rows;
+    /// Takes the next row of a copy.
+    pub(super) fn take(&mut self, copy: usize, row: &[f64]) {
+        self.copies[copy].extend_from_slice(row);
     }
 
     /// The table: a row for each time, `t`, `instances` that have come so far, then mean, deviation
@@ -119,11 +119,10 @@ mod tests {
     fn a_summary_by_hand() {
         let mut summary = Summary::new(&["t".into(), "x".into()], 2, 4).unwrap();
         for (copy, x) in [4.0, 1.0, 2.0, 3.0].into_iter().enumerate() {
-            let mut rows = vec![0.0, x];
+            summary.take(copy, &[0.0, x]);
             if copy != 1 {
-                rows.extend([0.5, 10.0 * x]);
+                summary.take(copy, &[0.5, 10.0 * x]);
             }
-            summary.take(copy, rows);
         }
         let text = summary.text();
         let table: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
