@@ -4,9 +4,17 @@
 //! It is the method of [`crate::step`] without its last resorts: lanes go on together until each
 //! has converged, a lane that is done is held still, and if any lane needs a shorter step, another
 //! guess or pivoting, the step is given back to be taken there.
+//!
+//! The matrix is inverted, not factored: a product with an inverse has no chain of divisions and
+//! differences to wait for, and an inverse can learn. It is kept from step to step, learns from every
+//! correction what the matrix has become ([`Secant`]), and is made anew when it has cost as much.
+//!
+//! A step may end with a correction that is not evaluated. What it does to the force is then known
+//! from the equation itself: of the residual that it takes away, what does not change the momentum
+//! changes the impulse. How wrong that has been for the correction before tells whether it will do.
 
 use crate::internal::RATE;
-use crate::lane::Lane;
+use crate::lane::{Lane, load, store};
 use crate::shape::{Local, Shape};
 use crate::step::{BALANCE, FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
 
@@ -109,6 +117,18 @@ fn put_at<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usiz
 }
 
 impl<L: Lane, const N: usize> Residual<L, N> {
+    /// Half the step's impulse (h/2)f after a correction that leaves no residual: what the correction
+    /// takes from the residual and not from the momentum, which changes by the mass matrix over h.
+    #[inline(always)]
+    fn foretell(&self, correction: &[L; N], mass: &[f64], half_h: L, per_h: L) -> [L; N] {
+        let mut impulse = multiply::<L, N>(mass, correction);
+        for i in 0..N {
+            let taken = per_h.mul_add(impulse[i], self.r[i]);
+            impulse[i] = half_h.mul_sub(self.force[i], taken);
+        }
+        impulse
+    }
+
     /// Makes the residual of momentum and force.
     #[inline(always)]
     fn balance<const Q: usize, const S: usize, const U: usize>(
@@ -123,11 +143,16 @@ impl<L: Lane, const N: usize> Residual<L, N> {
 }
 
 /// The inverse of the Newton matrix that is kept from step to step, and what goes with it.
-pub(crate) struct Kept<L, const N: usize, const M: usize> {
+///
+/// Matrices stay in memory, the lanes of one entry side by side: copies would cost as much as what is
+/// done with them.
+pub(crate) struct Kept<'v> {
     /// The inverse, by rows.
-    pub(crate) inverse: [L; M],
-    /// Σ|Jᵢⱼ|·size(j) of each row of the matrix.
-    pub(crate) sensitivity: [L; N],
+    pub(crate) inverse: &'v mut [f64],
+    /// The mass matrix, by rows.
+    pub(crate) mass: &'v mut [f64],
+    /// Σ|Jᵢⱼ|·size(j) of each row of the Newton matrix.
+    pub(crate) sensitivity: &'v mut [f64],
     /// Whether it is there and is to be tried.
     pub(crate) serves: bool,
 }
@@ -145,7 +170,7 @@ pub(crate) fn newton<
 >(
     start: &Start<L, N, Q, S, U>,
     constants: &[f64],
-    kept: &mut Kept<L, N, M>,
+    kept: &mut Kept,
     balances: &mut Option<Balances<L, N>>,
 ) -> End<L, N, Q> {
     let zero = L::splat(0.0);
@@ -163,7 +188,8 @@ pub(crate) fn newton<
         End { delta: start.delta, force: [zero; N], iterations: 0, matrices: 0, failed: L::ALL };
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
     let mut per_scale = [zero; N];
-    let mut force_before = [zero; N];
+    // Half the step's impulse as the last correction foretold it.
+    let mut foretold = [zero; N];
     let mut correction = [zero; N];
     let mut before = L::splat(f64::INFINITY);
     let mut done = 0;
@@ -171,23 +197,28 @@ pub(crate) fn newton<
     let (mut renews, mut is_corrected) = (!kept.serves, false);
     for pass in 0..PASSES {
         put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
+        let mut good = L::ALL;
         if renews {
             if end.matrices == MATRICES {
                 break;
             }
             end.matrices += 1;
-            kept.inverse = [zero; M];
+            let mut matrix = [zero; M];
             let (momentum, force) = (&mut at.momentum, &mut at.force);
-            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut kept.inverse);
-            kept.sensitivity = sensitivities(start, &kept.inverse, balances);
+            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut matrix);
+            store(&sensitivities(start, &matrix, balances), kept.sensitivity);
+            good = invert::<L, N, M>(&mut matrix);
+            store(&matrix, kept.inverse);
+            let mut mass = [zero; M];
+            Sh::mass_matrix(&local.q, constants, &mut mass);
+            store(&mass, kept.mass);
         } else {
             Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
         }
         at.balance(start, half_h);
         if renews || pass == 0 {
-            per_scale = per_scales(start, &at, half_h, &kept.sensitivity);
+            per_scale = per_scales(start, &at, half_h, &load(kept.sensitivity));
         }
-        let good = if renews { invert::<L, N, M>(&mut kept.inverse) } else { L::ALL };
         let (merit, finite) = merit(&at.r, &per_scale);
         let converged = merit.less_equal(L::splat(1.0)) & finite & !done;
         hold(converged, &at.force, &mut end.force);
@@ -200,7 +231,7 @@ pub(crate) fn newton<
         if good | done != L::ALL {
             break;
         }
-        let mut next = multiply::<L, N, M>(&kept.inverse, &at.r);
+        let mut next = multiply::<L, N>(kept.inverse, &at.r);
         if is_corrected {
             let secant = Secant::new(&correction, &next, start);
             // What the correction did is told to the inverse, unless rounding did it.
@@ -208,23 +239,26 @@ pub(crate) fn newton<
             for i in 0..N {
                 next[i] = L::choose(told, secant.stretch * next[i], next[i]);
             }
-            // How far the correction moved the half step's impulse: the next one would move it by
-            // as much less as the residual has fallen.
-            let mut moved = zero;
+            // How far the half step's impulse was foretold wrongly: the next time it will be by as
+            // much less as the residual has fallen.
+            let mut missed = zero;
             for i in 0..N {
-                let change = half_h * (at.force[i] - force_before[i]);
-                moved = moved.max(change.abs() * per_scale[i]);
+                let off = half_h.mul_sub(at.force[i], foretold[i]);
+                missed = missed.max(off.abs() * per_scale[i]);
             }
-            let left = moved.max(merit) * merit;
+            foretold = at.foretell(&next, kept.mass, half_h, per_h);
+            let left = missed.max(merit) * merit;
             let linear = left.less_equal(L::splat(LINEAR_END) * before) & finite & !done;
             if linear != 0 {
                 end.iterations += 1;
                 for i in 0..N {
                     end.delta[i] = L::choose(linear, end.delta[i] - next[i], end.delta[i]);
+                    let force = foretold[i] * (per_h + per_h);
+                    end.force[i] = L::choose(linear, force, end.force[i]);
                 }
             }
-            let mut over = linear;
-            if (done | over) != L::ALL {
+            done |= linear;
+            if done != L::ALL {
                 // The residual hardly falls and the correction is rounding: the floor.
                 let mut largest = zero;
                 for i in 0..N {
@@ -234,10 +268,10 @@ pub(crate) fn newton<
                 let stagnant = (L::splat(0.1) * before).less(merit)
                     & largest.less_equal(L::splat(STAGNATION))
                     & finite;
-                over |= stagnant & !done;
+                let stagnant = stagnant & !done;
+                hold(stagnant, &at.force, &mut end.force);
+                done |= stagnant;
             }
-            hold(over, &at.force, &mut end.force);
-            done |= over;
             let falls = (merit.less(before) & finite) | done;
             if falls != L::ALL {
                 if end.matrices > 0 {
@@ -251,7 +285,7 @@ pub(crate) fn newton<
                 continue;
             }
             if told & !done != 0 {
-                secant.teach::<M>(told & !done, &mut kept.inverse, &next);
+                secant.teach(told & !done, kept.inverse, &next);
             }
             if done == L::ALL {
                 kept.serves = true;
@@ -268,12 +302,14 @@ pub(crate) fn newton<
             }
         } else if finite | done != L::ALL {
             break;
+        } else {
+            foretold = at.foretell(&next, kept.mass, half_h, per_h);
         }
         end.iterations += 1;
         for i in 0..N {
             end.delta[i] = L::choose(done, end.delta[i], end.delta[i] - next[i]);
         }
-        (correction, force_before, before) = (next, at.force, merit);
+        (correction, before) = (next, merit);
         (renews, is_corrected) = (false, true);
     }
     kept.serves = false;
@@ -331,19 +367,21 @@ impl<L: Lane, const N: usize> Secant<L, N> {
 
     /// Updates the inverse in the lanes whose bits are set; `next` has been stretched.
     #[inline(always)]
-    fn teach<const M: usize>(&self, bits: u8, inverse: &mut [L; M], next: &[L; N]) {
+    fn teach(&self, bits: u8, inverse: &mut [f64], next: &[L; N]) {
+        let inverse = &mut inverse[..N * N * L::WIDTH];
         let zero = L::splat(0.0);
         let mut row = [zero; N];
         for i in 0..N {
             let factor = L::choose(bits, self.weighted[i] * self.per_square, zero);
             for j in 0..N {
-                row[j] = factor.mul_add(inverse[i * N + j], row[j]);
+                row[j] = factor.mul_add(L::load(&inverse[(i * N + j) * L::WIDTH..]), row[j]);
             }
         }
         for i in 0..N {
             let next = L::choose(bits, next[i], zero);
             for j in 0..N {
-                inverse[i * N + j] = next.mul_add(row[j], inverse[i * N + j]);
+                let entry = &mut inverse[(i * N + j) * L::WIDTH..];
+                next.mul_add(row[j], L::load(entry)).store(entry);
             }
         }
     }
@@ -435,12 +473,72 @@ fn invert<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) -> u8 {
 
 /// Matrix times vector.
 #[inline(always)]
-fn multiply<L: Lane, const N: usize, const M: usize>(a: &[L; M], x: &[L; N]) -> [L; N] {
+fn multiply<L: Lane, const N: usize>(a: &[f64], x: &[L; N]) -> [L; N] {
+    let a = &a[..N * N * L::WIDTH];
     let mut product = [L::splat(0.0); N];
     for i in 0..N {
         for j in 0..N {
-            product[i] = a[i * N + j].mul_add(x[j], product[i]);
+            product[i] = L::load(&a[(i * N + j) * L::WIDTH..]).mul_add(x[j], product[i]);
         }
     }
     product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MATRIX: [f64; 9] = [4.0, 1.0, -0.5, 0.8, 3.0, 0.2, -0.4, 0.3, 2.0];
+
+    #[test]
+    fn an_inverse_is_one() {
+        let mut inverse = MATRIX;
+        assert_eq!(invert::<f64, 3, 9>(&mut inverse), 1);
+        for i in 0..3 {
+            let column: [f64; 3] = std::array::from_fn(|k| inverse[k * 3 + i]);
+            let unit = multiply::<f64, 3>(&MATRIX, &column);
+            for (k, x) in unit.into_iter().enumerate() {
+                assert!((x - f64::from(u8::from(k == i))).abs() < 1e-15, "{unit:?}");
+            }
+        }
+        let mut singular = [1.0, 2.0, 2.0, 4.0];
+        assert_eq!(invert::<f64, 2, 4>(&mut singular), 0, "no pivot is left");
+    }
+
+    #[test]
+    fn an_old_inverse_learns_what_corrections_tell() {
+        let mut inverse = MATRIX.map(|x| 1.1 * x);
+        invert::<f64, 3, 9>(&mut inverse);
+        let start = Start::<f64, 3, 3, 0, 0> {
+            q: [0.0; 3],
+            delta: [0.0; 3],
+            p: [0.0; 3],
+            t: 0.0,
+            h: 1.0,
+            rest: [],
+            inputs: [],
+            size: [1.0, 0.1, 1.0],
+            per_size: [1.0, 10.0, 1.0],
+            past: [0.0; 3],
+            tolerance: 0.0,
+        };
+        // The residual r = A·x − b, linear.
+        let mut r = [1.0, -2.0, 0.5];
+        let correction = multiply::<f64, 3>(&inverse, &r);
+        let change = multiply::<f64, 3>(&MATRIX, &correction);
+        for i in 0..3 {
+            r[i] -= change[i];
+        }
+        let mut next = multiply::<f64, 3>(&inverse, &r);
+        let secant = Secant::new(&correction, &next, &start);
+        assert_eq!(secant.is_sound(), 1);
+        next = next.map(|x| secant.stretch * x);
+        secant.teach(1, &mut inverse, &next);
+        let told = multiply::<f64, 3>(&inverse, &change);
+        let ahead = multiply::<f64, 3>(&inverse, &r);
+        for i in 0..3 {
+            assert!((told[i] - correction[i]).abs() < 1e-14, "the change leads to the correction");
+            assert!((ahead[i] - next[i]).abs() < 1e-14, "and the next one was stretched rightly");
+        }
+    }
 }

@@ -10,7 +10,7 @@ use crate::lane::sweep::{Sweep, sweep};
 use crate::lane::{Lane, WIDEST};
 
 /// Highest degree.
-pub(crate) const DEGREES: usize = 4;
+pub(crate) const DEGREES: usize = 5;
 
 /// How far a guess of each degree has lately missed: a fading sum of squares.
 pub(crate) type Missed = [f64; DEGREES];
@@ -96,9 +96,10 @@ pub(crate) fn guess<L: Lane, const N: usize>(
     let missed_by = |degree: usize| L::load(&missed[(degree - 1) * L::WIDTH..]);
     // Lanes in which each degree is taken, as bits: the quadratic unless another is better.
     let mut least = missed_by(2);
-    let mut taken = [0, L::ALL, 0, 0];
-    for degree in [1, 3, 4] {
-        if degree < known {
+    let mut taken = [0; DEGREES];
+    taken[1] = L::ALL;
+    for degree in 1..=DEGREES {
+        if degree != 2 && degree < known {
             let better = missed_by(degree).less(least);
             least = least.min(missed_by(degree));
             for other in &mut taken {

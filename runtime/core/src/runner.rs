@@ -121,7 +121,7 @@ pub fn assignment(text: &str) -> Result<(String, f64), String> {
 
 /// What a caller may watch and stop.
 pub trait Observer {
-    /// Called after every step with steps taken and steps in all; `false` ends the run cleanly.
+    /// Called after every step or some of them with steps taken and steps in all; `false` ends the run cleanly.
     fn advanced(&mut self, step: usize, steps: usize) -> bool;
     /// A message for the user.
     fn note(&mut self, text: &str) {
@@ -170,10 +170,17 @@ pub fn run<M: Model + Clone + Send + Sync>(
     let mut wall = std::time::Duration::ZERO;
     let mut outcome = Ok(());
     let mut since = Instant::now();
-    for step in 1..=steps {
-        outcome = simulation.step();
-        if outcome.is_err() {
-            break;
+    let mut step = 0;
+    while step < steps {
+        // To the next row.
+        let stretch = options.every - step % options.every;
+        let stretch = if trajectory.is_some() { stretch } else { steps };
+        match simulation.advance(stretch.min(steps - step)) {
+            Ok(taken) => step += taken,
+            Err(error) => {
+                outcome = Err(error);
+                break;
+            }
         }
         if let Some(trajectory) = &mut trajectory
             && step % options.every == 0

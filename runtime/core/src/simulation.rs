@@ -303,10 +303,19 @@ impl<M: Model> Simulation<M> {
 
     /// Takes one step. On an error the state is untouched.
     pub fn step(&mut self) -> Result<(), RunError> {
-        if self.may_use_lanes() && self.step_on_lanes() {
-            return Ok(());
+        self.advance(1).map(|_| ())
+    }
+
+    /// Takes up to `steps` steps, at least one, as many as go without a look at the state, and returns
+    /// how many. On an error the state is untouched.
+    pub fn advance(&mut self, steps: usize) -> Result<usize, RunError> {
+        if self.may_use_lanes() {
+            let taken = self.steps_on_lanes(steps);
+            if taken > 0 {
+                return Ok(taken);
+            }
         }
-        self.step_by_numbers()
+        self.step_by_numbers().map(|()| 1)
     }
 
     /// As [`Simulation::step`], without lanes.

@@ -35,6 +35,11 @@ impl<M: Model> Together<M> {
         self.active.iter().all(|&number| self.runs[number].is_over())
     }
 
+    /// Steps that the runs which go on have taken.
+    pub fn furthest(&self) -> usize {
+        self.runs.iter().map(|run| run.state.step).max().unwrap_or(0)
+    }
+
     /// The runs at their states. What is changed in them counts in the next step.
     pub fn runs(&mut self) -> &mut [Simulation<M>] {
         self.write();
@@ -50,13 +55,19 @@ impl<M: Model> Together<M> {
 
     /// Takes one step of every run that goes on. Tells `fails` the number of a run that could not; it
     /// is left as it was and does not go on.
-    pub fn step(&mut self, mut fails: impl FnMut(usize, RunError)) {
+    pub fn step(&mut self, fails: impl FnMut(usize, RunError)) {
+        self.advance(1, fails);
+    }
+
+    /// Takes up to `steps` steps, at least one, of every run that goes on, as many as go without a look
+    /// at the states. Tells `fails` as [`Together::step`].
+    pub fn advance(&mut self, steps: usize, mut fails: impl FnMut(usize, RunError)) {
         if self.active.iter().any(|&number| self.runs[number].is_over()) {
             self.write();
             self.is_held = false;
             self.active.retain(|&number| !self.runs[number].is_over());
         }
-        let bits = if self.may_use_lanes() { self.step_on_lanes() } else { u8::MAX };
+        let bits = if self.may_use_lanes() { self.steps_on_lanes(steps) } else { u8::MAX };
         if bits == 0 {
             return;
         }
@@ -88,7 +99,7 @@ impl<M: Model> Together<M> {
 
     /// Steps all active runs on lanes; returns those that could not, as bits by their place among
     /// the active ones.
-    fn step_on_lanes(&mut self) -> u8 {
+    fn steps_on_lanes(&mut self, mut count: usize) -> u8 {
         let Together { runs, active, lanes, .. } = self;
         if !active.iter().fold(true, |all, &number| all & runs[number].prepare_for_lanes()) {
             return u8::MAX;
@@ -102,21 +113,26 @@ impl<M: Model> Together<M> {
             models[lane] = &run.model;
             around[lane] = run.around_on_lanes();
             courses[lane] = run.courses();
+            count = count.min(if run.is_told() { 1 } else { run.left() });
         }
         let models = &models[..active.len()];
         if !lanes.arrange(models) || !self.is_held {
             let taken_up: Vec<_> = active.iter().map(|&number| runs[number].taken_up()).collect();
             lanes.take_up(&taken_up, &around);
         }
-        lanes.feed(&around, &courses);
-        let Outcome::Stepped(bits) = lanes.step(models) else {
-            active.iter().for_each(|&number| runs[number].leave_lanes());
-            return u8::MAX;
+        lanes.feed(&around);
+        let (taken, bits) = match lanes.step(models, &courses, count) {
+            Outcome::Stepped(taken) => (taken, 0),
+            Outcome::Failed(bits) => (1, bits),
+            Outcome::Unavailable => {
+                active.iter().for_each(|&number| runs[number].leave_lanes());
+                return u8::MAX;
+            }
         };
         (self.is_held, self.is_written) = (true, false);
         for (lane, &number) in active.iter().enumerate() {
             match bits >> lane & 1 {
-                0 => runs[number].pass_on_lanes(lanes.iterations(lane)),
+                0 => runs[number].pass_on_lanes(taken, lanes.iterations(lane)),
                 _ => runs[number].pause_lanes(),
             }
         }

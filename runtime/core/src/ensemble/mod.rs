@@ -122,8 +122,10 @@ impl<'m, M: Model + Clone + Send + Sync> Ensemble<'m, M> {
         }
         let mut errors: Vec<Option<RunError>> = runs.iter().map(|_| None).collect();
         let mut together = Together::new(runs);
-        for step in 0.. {
-            if self.every.is_some_and(|every| step % every == 0) {
+        let every = self.every.unwrap_or(usize::MAX);
+        let mut step = 0;
+        loop {
+            if self.every.is_some() && step % every == 0 {
                 for ((run, &number), error) in together.runs().iter_mut().zip(&numbers).zip(&errors)
                 {
                     if error.is_none() && run.state.step == step {
@@ -134,7 +136,8 @@ impl<'m, M: Model + Clone + Send + Sync> Ensemble<'m, M> {
             if together.is_over() {
                 break;
             }
-            together.step(|run, error| errors[run] = Some(error));
+            together.advance(every - step % every, |run, error| errors[run] = Some(error));
+            step = together.furthest();
         }
         for ((run, number), error) in together.into_runs().into_iter().zip(numbers).zip(errors) {
             ended(number, Ended { run: Some(run), error });

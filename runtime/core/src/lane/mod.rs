@@ -136,6 +136,26 @@ pub trait Lane:
     const ALL: u8 = ((1u16 << Self::WIDTH) - 1) as u8;
 }
 
+/// The first numbers of a list, each in all lanes.
+#[inline(always)]
+pub(crate) fn load<L: Lane, const N: usize>(list: &[f64]) -> [L; N] {
+    let list = &list[..N * L::WIDTH];
+    let mut all = [L::splat(0.0); N];
+    for i in 0..N {
+        all[i] = L::load(&list[i * L::WIDTH..]);
+    }
+    all
+}
+
+/// The other way.
+#[inline(always)]
+pub(crate) fn store<L: Lane, const N: usize>(all: &[L; N], list: &mut [f64]) {
+    let list = &mut list[..N * L::WIDTH];
+    for i in 0..N {
+        all[i].store(&mut list[i * L::WIDTH..]);
+    }
+}
+
 impl Lane for f64 {
     const WIDTH: usize = 1;
 

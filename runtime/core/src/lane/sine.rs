@@ -54,10 +54,11 @@ pub(super) fn reduced<L: Lane>(x: L) -> (L, L) {
 /// A polynomial of degree five, split in three so that the steps overlap.
 #[inline(always)]
 fn series<L: Lane>(a: &[f64; 6], z: L) -> L {
-    let a = a.map(L::splat);
+    // An array of vectors would go through memory.
+    let a = |k: usize| L::splat(a[k]);
     let square = z * z;
-    let low = a[1].mul_add(z, a[0]);
-    let middle = a[3].mul_add(z, a[2]);
-    let high = a[5].mul_add(z, a[4]);
+    let low = a(1).mul_add(z, a(0));
+    let middle = a(3).mul_add(z, a(2));
+    let high = a(5).mul_add(z, a(4));
     square.mul_add(square.mul_add(high, middle), low)
 }

@@ -4,7 +4,7 @@
 //! pose where that begins and the change to where it ends, until a lane comes to another part.
 
 use super::vector::Vector;
-use crate::lane::WIDEST;
+use crate::lane::{Lane, WIDEST};
 use crate::motion::Part;
 
 /// Which strands follow which motions, and which keep their natural lengths.
@@ -133,14 +133,12 @@ impl Course {
 
 impl Vector {
     /// Takes the motions to the times of the lanes.
-    #[inline]
-    pub(super) fn move_courses(&mut self, courses: &[Courses]) {
-        let t = &self.t[..self.width];
-        let earliest = t.iter().copied().fold(f64::INFINITY, f64::min);
-        let latest = t.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    #[inline(always)]
+    pub(super) fn move_courses<L: Lane>(&mut self, t: L, courses: &[Courses]) {
         for course in &mut self.courses {
-            if !(course.valid[0] <= earliest && latest < course.valid[1]) {
-                course.turn(t, &self.runs, &self.coordinates, courses);
+            let [begin, end] = course.valid.map(L::splat);
+            if begin.less_equal(t) & t.less(end) != L::ALL {
+                course.turn(&self.t[..self.width], &self.runs, &self.coordinates, courses);
             }
         }
     }

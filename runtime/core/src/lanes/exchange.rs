@@ -1,7 +1,6 @@
 //! What goes in and out: states, what the world does, natural lengths that were measured.
 
 use super::Lanes;
-use super::course::Courses;
 use super::vector::Vector;
 use crate::predict::Missed;
 use crate::step::State;
@@ -46,22 +45,17 @@ impl Lanes {
         self.known = runs.first().map_or(0, |run| run.state.step);
         for vector in &mut self.vectors {
             vector.take_up(runs);
-            vector.renewal.forget();
-            vector.forget_guesses();
             for (k, strand) in vector.strands.iter().enumerate() {
                 vector.rest[k] = around[vector.runs[k % vector.width]].rest[*strand];
             }
-            vector.courses.iter_mut().for_each(|course| course.forget());
+            vector.forget();
         }
     }
 
     /// Hands over what the world does in the next step.
     #[inline]
-    pub(crate) fn feed(&mut self, around: &[Around], courses: &[Courses]) {
-        for vector in &mut self.vectors {
-            vector.feed(around);
-            vector.move_courses(courses);
-        }
+    pub(crate) fn feed(&mut self, around: &[Around]) {
+        self.vectors.iter_mut().for_each(|vector| vector.feed(around));
     }
 
     /// Writes a run's state after a step; its time and number are left to the caller.
@@ -108,13 +102,6 @@ impl Lanes {
 }
 
 impl Vector {
-    /// Forgets how runs have vibrated.
-    fn forget_guesses(&mut self) {
-        self.is_foretold = false;
-        self.echo.fill(0.0);
-        self.missed_echo.fill(0.0);
-    }
-
     fn take_up(&mut self, runs: &[TakenUp]) {
         let width = self.width;
         let unknowns = self.unknowns * width;

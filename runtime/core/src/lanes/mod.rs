@@ -30,6 +30,9 @@ use vector::Vector;
 /// Runs that go together at most.
 pub const RUNS: usize = 8;
 
+/// Steps that are taken in one go at most, where nothing is to be handed over between them.
+const STRETCH: usize = 64;
+
 /// A stamp that has not been given before, for parameters that have changed.
 pub fn next_revision() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
@@ -80,17 +83,22 @@ pub(crate) struct Lanes {
     made_for: ([u64; RUNS], usize),
     /// Steps whose increments the lanes remember.
     known: usize,
-    /// Newton iterations of each run in the last step.
+    /// Newton iterations of each run in the last steps.
     iterations: [usize; RUNS],
+    /// Steps that are still to be taken one by one, since a stretch has failed.
+    careful: usize,
 }
 
-/// How a step on lanes ended.
+/// How steps on lanes ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// The model or the machine has no lanes.
     Unavailable,
-    /// The runs whose bits are set could not step; they are left as they were.
-    Stepped(u8),
+    /// All runs have taken so many steps.
+    Stepped(usize),
+    /// The runs whose bits are set could not take one step and are left as they were; the others have
+    /// taken it.
+    Failed(u8),
 }
 
 impl Lanes {
@@ -131,9 +139,32 @@ impl Lanes {
         false
     }
 
-    /// Steps all runs of which [`Lanes::arrange`] was asked.
-    pub(crate) fn step<M: Model>(&mut self, models: &[&M]) -> Outcome {
-        let mut step = LaneStep::new(&mut self.vectors, self.known);
+    /// Takes up to `count` steps, at least one, with all runs of which [`Lanes::arrange`] was asked.
+    /// More than one are taken only if nothing is to be handed over between them.
+    pub(crate) fn step<M: Model>(
+        &mut self,
+        models: &[&M],
+        courses: &[Courses],
+        count: usize,
+    ) -> Outcome {
+        let stretch = count.min(STRETCH);
+        if stretch > 1 && self.careful == 0 {
+            self.vectors.iter_mut().for_each(Vector::save);
+            let mut steps = LaneStep::new(&mut self.vectors, courses, self.known, Some(stretch));
+            if !M::on_lanes(models, &mut steps) {
+                return Outcome::Unavailable;
+            }
+            if steps.failed == 0 {
+                self.iterations = steps.iterations;
+                self.known += stretch;
+                return Outcome::Stepped(stretch);
+            }
+            // Vectors have come to different steps: back, and one by one to where it fails.
+            self.vectors.iter_mut().for_each(Vector::restore);
+            self.careful = STRETCH;
+        }
+        self.careful = self.careful.saturating_sub(1);
+        let mut step = LaneStep::new(&mut self.vectors, courses, self.known, None);
         if !M::on_lanes(models, &mut step) {
             return Outcome::Unavailable;
         }
@@ -141,10 +172,10 @@ impl Lanes {
         self.iterations = step.iterations;
         advance(&mut self.vectors, self.known, failed);
         self.known += 1;
-        Outcome::Stepped(failed)
+        if failed == 0 { Outcome::Stepped(1) } else { Outcome::Failed(failed) }
     }
 
-    /// Newton iterations of a run in the last step.
+    /// Newton iterations of a run in the last steps.
     pub(crate) fn iterations(&self, run: usize) -> usize {
         self.iterations[run]
     }

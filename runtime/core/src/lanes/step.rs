@@ -2,23 +2,29 @@
 //!
 //! The states stay as they are until every vector has been solved; see [`super::advance`].
 
+use super::advance::advance_lanes;
+use super::course::Courses;
 use super::foretell::foretell;
 use super::vector::Vector;
 use super::{LaneVisitor, RUNS};
 use crate::internal;
-use crate::lane::{Lane, Work, call};
+use crate::lane::{Lane, Work, call, load, store};
 use crate::newton::{Balances, Kept, Start, newton};
 use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
 
-/// A step of all vectors, shape by shape.
+/// Steps of all vectors, shape by shape.
 pub(super) struct LaneStep<'a> {
     vectors: &'a mut [Vector],
     /// Vectors and shapes that have been seen.
     next: usize,
     shapes: usize,
+    /// Motions of the runs.
+    courses: &'a [Courses<'a>],
     /// Increments that the lanes remember.
     known: usize,
+    /// Steps that are taken one after the other; if none, one step is found but states do not move.
+    stretch: Option<usize>,
     /// Runs that could not step, as bits.
     pub(super) failed: u8,
     /// Newton iterations by run.
@@ -27,8 +33,15 @@ pub(super) struct LaneStep<'a> {
 }
 
 impl<'a> LaneStep<'a> {
-    pub(super) fn new(vectors: &'a mut [Vector], known: usize) -> Self {
+    pub(super) fn new(
+        vectors: &'a mut [Vector],
+        courses: &'a [Courses<'a>],
+        known: usize,
+        stretch: Option<usize>,
+    ) -> Self {
         LaneStep {
+            courses,
+            stretch,
             is_complete: !vectors.is_empty(),
             vectors,
             next: 0,
@@ -62,9 +75,14 @@ impl LaneVisitor for LaneStep<'_> {
             && self.is_complete
         {
             self.next += 1;
-            let (width, known, shape) = (vector.width, self.known, PhantomData);
-            let work = StepVector::<Sh, N, M, Q, S, U> { vector: &mut *vector, known, shape };
-            self.is_complete = call(width, work);
+            let (width, courses, shape) = (vector.width, self.courses, PhantomData);
+            let (known, stretch) = (self.known, self.stretch);
+            let vector = &mut *vector;
+            self.is_complete = call(
+                width,
+                StepVector::<Sh, N, M, Q, S, U> { vector, courses, known, stretch, shape },
+            );
+            let vector = &self.vectors[self.next - 1];
             for (lane, &run) in vector.runs[..vector.used].iter().enumerate() {
                 self.iterations[run] = self.iterations[run].max(vector.iterations);
                 self.failed |= (vector.failed >> lane & 1) << run;
@@ -77,7 +95,7 @@ impl LaneVisitor for LaneStep<'_> {
     }
 }
 
-/// The step in one vector.
+/// The steps in one vector.
 struct StepVector<
     'v,
     Sh,
@@ -88,28 +106,10 @@ struct StepVector<
     const U: usize,
 > {
     vector: &'v mut Vector,
+    courses: &'v [Courses<'v>],
     known: usize,
+    stretch: Option<usize>,
     shape: PhantomData<Sh>,
-}
-
-/// The first numbers of a list, each in all lanes.
-#[inline(always)]
-pub(super) fn load<L: Lane, const N: usize>(list: &[f64]) -> [L; N] {
-    let list = &list[..N * L::WIDTH];
-    let mut all = [L::splat(0.0); N];
-    for i in 0..N {
-        all[i] = L::load(&list[i * L::WIDTH..]);
-    }
-    all
-}
-
-/// The other way.
-#[inline(always)]
-pub(super) fn store<L: Lane, const N: usize>(all: &[L; N], list: &mut [f64]) {
-    let list = &mut list[..N * L::WIDTH];
-    for i in 0..N {
-        all[i].store(&mut list[i * L::WIDTH..]);
-    }
 }
 
 impl<
@@ -121,82 +121,109 @@ impl<
     const U: usize,
 > Work for StepVector<'_, Sh, N, M, Q, S, U>
 {
-    // Loops, not closures over `L`: what is not inlined is not made of the vector's instructions.
     #[inline(always)]
     fn run<L: Lane>(self) {
-        let vector = self.vector;
-        let (t, h) = (L::load(&vector.t), L::load(&vector.h));
-        measure::<L, Sh, N, M, Q, S, U>(vector, t);
-        let q = load::<L, Q>(&vector.q);
-        for &i in Sh::INTERNAL {
-            let last = L::load(&vector.differences[i * L::WIDTH..]);
-            let v = L::load(&vector.v[i * L::WIDTH..]);
-            internal::past(self.known, last, v, h).store(&mut vector.past[i * L::WIDTH..]);
-        }
-        let mut delta = [L::splat(0.0); Q];
-        let guessed: [L; N] = match self.known {
-            0 | 1 => {
-                let mut increments = load(&vector.v);
-                for i in 0..N {
-                    increments[i] = increments[i] * h;
-                }
-                increments
+        let StepVector { vector, courses, known, stretch, .. } = self;
+        let h = L::load(&vector.h);
+        vector.iterations = 0;
+        for k in 0..stretch.unwrap_or(1) {
+            if k > 0 {
+                let (begin, end) = ((known + k) as f64, (known + k + 1) as f64);
+                let both = L::splat(begin) * h + L::splat(end) * h;
+                (L::splat(0.5) * both).store(&mut vector.t);
             }
-            known => foretell::<L, N, M>(vector, known),
-        };
-        for i in 0..N {
-            delta[i] = guessed[i];
+            let t = L::load(&vector.t);
+            vector.move_courses(t, courses);
+            measure::<L, Sh, N, M, Q, S, U>(vector, t);
+            step::<L, Sh, N, M, Q, S, U>(vector, known + k, [t, h]);
+            if vector.failed != 0 {
+                break;
+            }
+            if stretch.is_some() {
+                advance_lanes::<L>(vector, 0, known + k, [L::WIDTH, N]);
+            }
         }
-        for i in N..Q {
-            delta[i] = L::load(&vector.ends[(i - N) * L::WIDTH..]) - q[i];
-        }
-        let start = Start::<L, N, Q, S, U> {
-            q,
-            delta,
-            p: load(&vector.p),
-            t,
-            h,
-            rest: load(&vector.rest),
-            inputs: load(&vector.inputs),
-            size: load(&vector.size),
-            per_size: load(&vector.per_size),
-            tolerance: L::load(&vector.tolerance),
-            past: load(&vector.past),
-        };
-        let mut balances = vector
-            .has_balances
-            .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
-        if vector.made_for != vector.h {
-            vector.renewal.forget();
-        }
-        let mut kept = Kept::<L, N, M> {
-            inverse: load(&vector.inverse),
-            sensitivity: load(&vector.sensitivity),
-            serves: !vector.renewal.begin(vector.h[0]),
-        };
-        let constants = &vector.constants;
-        let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
-        store(&kept.inverse, &mut vector.inverse);
-        store(&kept.sensitivity, &mut vector.sensitivity);
-        if end.matrices > 0 {
-            vector.renewal.made(vector.h[0]);
-            vector.made_for = vector.h;
-        }
-        vector.renewal.end(end.iterations);
-        if !kept.serves {
-            vector.renewal.forget();
-        }
-        if let Some(balances) = balances {
-            store(&balances.stiffest, &mut vector.stiffest);
-        }
-        let mut delta = [L::splat(0.0); N];
-        for i in 0..N {
-            delta[i] = end.delta[i];
-        }
-        store(&delta, &mut vector.delta);
-        store(&end.force, &mut vector.force);
-        (vector.failed, vector.iterations) = (end.failed, end.iterations);
     }
+}
+
+/// Finds the step at hand.
+// Loops, not closures over `L`: what is not inlined is not made of the vector's instructions.
+#[inline(always)]
+fn step<
+    L: Lane,
+    Sh: Shape<N, M, Q, S, U>,
+    const N: usize,
+    const M: usize,
+    const Q: usize,
+    const S: usize,
+    const U: usize,
+>(
+    vector: &mut Vector,
+    known: usize,
+    [t, h]: [L; 2],
+) {
+    let q = load::<L, Q>(&vector.q);
+    for &i in Sh::INTERNAL {
+        let last = L::load(&vector.differences[i * L::WIDTH..]);
+        let v = L::load(&vector.v[i * L::WIDTH..]);
+        internal::past(known, last, v, h).store(&mut vector.past[i * L::WIDTH..]);
+    }
+    let mut delta = [L::splat(0.0); Q];
+    let guessed: [L; N] = match known {
+        0 | 1 => {
+            let mut increments = load(&vector.v);
+            for i in 0..N {
+                increments[i] = increments[i] * h;
+            }
+            increments
+        }
+        known => foretell::<L, N>(vector, known),
+    };
+    delta[..N].copy_from_slice(&guessed);
+    for i in N..Q {
+        delta[i] = L::load(&vector.ends[(i - N) * L::WIDTH..]) - q[i];
+    }
+    let start = Start::<L, N, Q, S, U> {
+        q,
+        delta,
+        p: load(&vector.p),
+        t,
+        h,
+        rest: load(&vector.rest),
+        inputs: load(&vector.inputs),
+        size: load(&vector.size),
+        per_size: load(&vector.per_size),
+        tolerance: L::load(&vector.tolerance),
+        past: load(&vector.past),
+    };
+    let mut balances = vector
+        .has_balances
+        .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
+    if vector.made_for != vector.h {
+        vector.renewal.forget();
+    }
+    let serves = !vector.renewal.begin(vector.h[0]);
+    let Vector { constants, inverse, mass, sensitivity, .. } = &mut *vector;
+    let mut kept = Kept { inverse, mass, sensitivity, serves };
+    let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
+    let serves = kept.serves;
+    if end.matrices > 0 {
+        vector.renewal.made(vector.h[0]);
+        vector.made_for = vector.h;
+    }
+    vector.renewal.end(end.iterations);
+    if !serves {
+        vector.renewal.forget();
+    }
+    if let Some(balances) = balances {
+        store(&balances.stiffest, &mut vector.stiffest);
+    }
+    let mut delta = [L::splat(0.0); N];
+    delta.copy_from_slice(&end.delta[..N]);
+    store(&delta, &mut vector.delta);
+    store(&end.force, &mut vector.force);
+    vector.failed = end.failed;
+    vector.iterations += end.iterations;
 }
 
 /// Measures the natural lengths of strands that follow motions.

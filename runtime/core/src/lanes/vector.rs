@@ -5,8 +5,9 @@ use crate::lane::WIDEST;
 use crate::predict::DEGREES;
 use crate::step::Renewal;
 
-/// Corrections that cost as much as a new inverse: the matrix takes about as long as the equations.
-const PRICE: f64 = 1.5;
+/// Corrections that cost as much as a new inverse. Evaluating the matrix takes about as long as two of
+/// them, inverting it another; and an old inverse learns from its corrections.
+const PRICE: f64 = 4.0;
 
 /// Pairs of a run and a block of one shape, each in a lane, with everything that their steps read and
 /// write. Every list holds its first number in all lanes, then its second, and so on.
@@ -71,10 +72,12 @@ pub(crate) struct Vector {
     pub(super) missed_echo: [f64; WIDEST],
     pub(super) is_foretold: bool,
 
-    /// The inverse of the Newton matrix that is kept from step to step, by rows; what rounding of the
+    /// The inverse of the Newton matrix that is kept from step to step and the mass matrix, by rows;
+    /// what rounding of the
     /// coordinates does to each equation; steps for which they were made (s), and when they are made
     /// anew.
     pub(super) inverse: Vec<f64>,
+    pub(super) mass: Vec<f64>,
     pub(super) sensitivity: Vec<f64>,
     pub(super) made_for: [f64; WIDEST],
     pub(super) renewal: Renewal,
@@ -96,6 +99,9 @@ pub(crate) struct Vector {
     pub(super) tolerance: [f64; WIDEST],
     /// Motions that natural lengths follow.
     pub(super) courses: Vec<Course>,
+
+    /// The state as it was saved.
+    saved: Vec<f64>,
 
     /// Lanes that could not take the step at hand, as bits.
     pub(super) failed: u8,
@@ -152,6 +158,7 @@ impl Vector {
             missed_echo: [0.0; WIDEST],
             is_foretold: false,
             inverse: room(counts.unknowns * counts.unknowns),
+            mass: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
             made_for: [0.0; WIDEST],
             renewal: Renewal::new(PRICE),
@@ -168,8 +175,43 @@ impl Vector {
             h: [1.0; WIDEST],
             tolerance: [0.0; WIDEST],
             courses: Vec::new(),
+            saved: Vec::new(),
             failed: 0,
             iterations: 0,
         }
+    }
+    /// Saves the state.
+    pub(super) fn save(&mut self) {
+        let mut saved = std::mem::take(&mut self.saved);
+        saved.clear();
+        self.state().into_iter().for_each(|list| saved.extend_from_slice(list));
+        self.saved = saved;
+    }
+
+    /// Goes back to the saved state; what speeds steps up is forgotten.
+    pub(super) fn restore(&mut self) {
+        let saved = std::mem::take(&mut self.saved);
+        let mut left = &saved[..];
+        for list in self.state() {
+            let (own, rest) = left.split_at(list.len());
+            list.copy_from_slice(own);
+            left = rest;
+        }
+        self.saved = saved;
+        self.forget();
+    }
+
+    /// Forgets what speeds steps up, and where motions were.
+    pub(super) fn forget(&mut self) {
+        self.is_foretold = false;
+        self.echo.fill(0.0);
+        self.missed_echo.fill(0.0);
+        self.renewal.forget();
+        self.courses.iter_mut().for_each(Course::forget);
+    }
+
+    fn state(&mut self) -> [&mut Vec<f64>; 6] {
+        let Vector { q, p, v, differences, missed, stiffest, .. } = self;
+        [q, p, v, differences, missed, stiffest]
     }
 }

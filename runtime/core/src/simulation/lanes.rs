@@ -15,20 +15,34 @@ impl<M: Model> Simulation<M> {
         self.state.step >= self.steps
     }
 
-    /// Takes the next step on lanes; `false`, with the state untouched, where that cannot be.
-    pub(super) fn step_on_lanes(&mut self) -> bool {
+    /// Steps left.
+    pub(crate) fn left(&self) -> usize {
+        self.steps.saturating_sub(self.state.step)
+    }
+
+    /// Whether anything is handed over before every step, so that steps are taken one by one.
+    pub(crate) fn is_told(&self) -> bool {
+        self.is_fed || self.is_driven || self.is_muscular
+    }
+
+    /// Takes up to `count` steps on lanes and returns how many: none, with the state untouched, where
+    /// that cannot be.
+    pub(super) fn steps_on_lanes(&mut self, count: usize) -> usize {
         if !self.prepare_for_lanes() {
-            return false;
+            return 0;
         }
+        let count = if self.is_told() { 1 } else { count };
         let Parts { model, state, stepper, around, courses } = self.parts();
-        let has_stepped = stepper.step_on_lanes(model, state, &around, courses);
-        if has_stepped {
+        let taken = stepper.steps_on_lanes(model, state, &around, courses, count);
+        if taken > 0 {
+            self.pass_time(taken);
+            self.stepper.hold(&self.state);
             if self.stepper.lanes().leave_followers() {
                 self.follow(self.state.t - 0.5 * self.h);
             }
             self.stepper.lanes().write_rest(0, &mut self.rest);
         }
-        has_stepped
+        taken
     }
 
     /// Feeds what lanes are handed in the next step; they measure what follows motions themselves.
@@ -71,9 +85,15 @@ impl<M: Model> Simulation<M> {
         self.stepper.taken_up(&self.state)
     }
 
-    /// After a step on lanes that are shared: time goes on; the rest of the state stays there.
-    pub(crate) fn pass_on_lanes(&mut self, iterations: usize) {
+    /// After steps on lanes that are shared: time goes on; the rest of the state stays there.
+    pub(crate) fn pass_on_lanes(&mut self, taken: usize, iterations: usize) {
         self.stepper.iterations += iterations;
+        self.pass_time(taken);
+    }
+
+    /// After so many steps on lanes.
+    fn pass_time(&mut self, taken: usize) {
+        self.state.step += taken - 1;
         let Parts { state, stepper, around, .. } = self.parts();
         stepper.pass_time(state, &around);
     }

@@ -70,17 +70,20 @@ impl Stepper {
         }
     }
 
-    /// Takes the step on lanes; `false`, with the state untouched, where the model or the machine has
-    /// none, or where Newton's method needs more than lanes can do.
-    pub(crate) fn step_on_lanes<M: Model>(
+    /// Takes up to `count` steps on lanes, more than one only where nothing is to be handed over between
+    /// them, and returns how many: none, with the state untouched, where the model or the machine has
+    /// no lanes, or where Newton's method needs more than they can do. Then there is time to pass and
+    /// the state to be held.
+    pub(crate) fn steps_on_lanes<M: Model>(
         &mut self,
         model: &M,
         state: &mut State,
         around: &Surroundings,
         courses: Courses,
-    ) -> bool {
+        count: usize,
+    ) -> usize {
         if !self.may_use_lanes(state) {
-            return false;
+            return 0;
         }
         let on_lane = [self.around_on_lanes(state, around)];
         let on_lanes = &mut self.on_lanes;
@@ -88,27 +91,30 @@ impl Stepper {
             let (missed, stiffest) = (&self.predictor.missed, &self.stiffest[..]);
             on_lanes.lanes.take_up(&[TakenUp { state, missed, stiffest }], &on_lane);
         }
-        on_lanes.lanes.feed(&on_lane, &[courses]);
-        match on_lanes.lanes.step(&[model]) {
+        on_lanes.lanes.feed(&on_lane);
+        match on_lanes.lanes.step(&[model], &[courses], count) {
             Outcome::Unavailable => {
                 on_lanes.is_possible = false;
-                false
+                0
             }
-            Outcome::Stepped(0) => {
+            Outcome::Stepped(taken) => {
                 on_lanes.pause = 0;
                 self.iterations += on_lanes.lanes.iterations(0);
                 on_lanes.lanes.write_state(0, state);
-                self.pass_time(state, around);
-                self.on_lanes.hold(state);
-                true
+                taken
             }
-            Outcome::Stepped(_) => {
+            Outcome::Failed(_) => {
                 let (missed, stiffest) = (&mut self.predictor.missed, &mut self.stiffest[..]);
                 on_lanes.lanes.write_experience(0, state, missed, stiffest);
                 self.pause_lanes(state);
-                false
+                0
             }
         }
+    }
+
+    /// The lanes hold this state, to which they have led.
+    pub(crate) fn hold(&mut self, state: &State) {
+        self.on_lanes.hold(state);
     }
 
     /// From now on this run steps number by number.

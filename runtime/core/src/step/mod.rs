@@ -242,7 +242,9 @@ impl Stepper {
         around: &Surroundings,
     ) -> Result<(), StepError> {
         let nothing_follows = Courses { poses: &[], motions: &[] };
-        if self.step_on_lanes(model, state, around, nothing_follows) {
+        if self.steps_on_lanes(model, state, around, nothing_follows, 1) > 0 {
+            self.pass_time(state, around);
+            self.hold(state);
             return Ok(());
         }
         self.step_by_numbers(model, state, around)
