@@ -33,7 +33,8 @@ pub const OPTIONS: &str = "\
   --instances N         run N copies
   --threads T           on T threads (default: all cores)
   --spread PARAM=LO:HI  spread a parameter evenly over the copies; may be repeated
-  --spread start=SIGMA  spread the start normally (rad or m), by a fixed seed";
+  --spread start=SIGMA  spread the start normally (rad or m), by a fixed seed
+  --summary F.csv       write mean, deviation and quantiles over the copies, every N-th step";
 
 impl RunOptions {
     /// Reads options; an error says what is wrong with them.
@@ -41,6 +42,7 @@ impl RunOptions {
         let mut options = RunOptions { every: 1, ..RunOptions::default() };
         let mut instances = None;
         let mut threads = None;
+        let mut summary = None;
         let mut spread = Vec::new();
         let mut arguments = arguments.peekable();
         let mut given: Vec<String> = Vec::new();
@@ -72,6 +74,7 @@ impl RunOptions {
                 }
                 "--instances" => instances = Some(count("--instances", &value()?)?),
                 "--threads" => threads = Some(count("--threads", &value()?)?),
+                "--summary" => summary = Some(PathBuf::from(value()?)),
                 "--spread" => spread.push(ensemble::Spread::parse(&value()?)?),
                 other => {
                     let meant = nearest(other, known_options())
@@ -81,9 +84,9 @@ impl RunOptions {
             }
         }
         if let Some(instances) = instances {
-            options.ensemble = Some(ensemble::Plan { instances, threads, spread });
-        } else if threads.is_some() || !spread.is_empty() {
-            return Err("`--threads` and `--spread` need `--instances N`".into());
+            options.ensemble = Some(ensemble::Plan { instances, threads, spread, summary });
+        } else if threads.is_some() || !spread.is_empty() || summary.is_some() {
+            return Err("`--threads`, `--spread` and `--summary` need `--instances N`".into());
         }
         Ok(options)
     }

@@ -16,7 +16,7 @@ use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
 use std::sync::Arc;
 
-pub use crate::lookup::{find_name, find_param};
+pub use crate::lookup::{find_coordinate, find_name, find_param};
 
 /// Relative tolerance where nothing else is asked for: below rounding, so that the floor decides.
 pub const DEFAULT_TOLERANCE: f64 = 1e-15;
@@ -32,8 +32,15 @@ pub struct Settings {
     pub step: Option<f64>,
     /// Duration (s) instead of the scenario's.
     pub duration: Option<f64>,
+    /// Where coordinates start (rad or m), by name; after the scenario's own `start`.
+    pub start: Vec<(String, f64)>,
+    /// Their rates at the start (rad/s or m/s), by name.
+    pub velocity: Vec<(String, f64)>,
     /// Change of the start, per coordinate; empty for none.
     pub start_offset: Vec<f64>,
+    /// Inputs by name that are held instead of what model and scenario give
+    /// ([`Simulation::hold_input`]).
+    pub inputs: Vec<(String, f64)>,
 }
 
 /// A run in progress.
@@ -56,6 +63,8 @@ pub struct Simulation<M> {
     poses: Vec<Vec<f64>>,
     motions: Vec<Vec<(usize, f64)>>,
     inputs: Vec<f64>,
+    /// Inputs that are held at a value.
+    held: Vec<Option<f64>>,
     rest: Vec<f64>,
     /// Lengths prescribed at the end of the step (m).
     rest_end: Vec<f64>,
@@ -118,6 +127,15 @@ impl<M: Model> Simulation<M> {
         model.start(&mut q, &mut v);
         values.start.iter().for_each(|&(c, value)| q[c] = value);
         values.velocity.iter().for_each(|&(c, value)| v[c] = value);
+        let mut started: Vec<usize> = values.start.iter().map(|&(c, _)| c).collect();
+        for (name, value) in &settings.start {
+            let coordinate = find_coordinate(&layout, name)?;
+            q[coordinate] = *value;
+            started.push(coordinate);
+        }
+        for (name, value) in &settings.velocity {
+            v[find_coordinate(&layout, name)?] = *value;
+        }
         for ((q, offset), c) in q.iter_mut().zip(&settings.start_offset).zip(&layout.coordinates) {
             // Internal variables follow from the rest.
             *q += if c.is_internal { 0.0 } else { *offset };
@@ -145,6 +163,7 @@ impl<M: Model> Simulation<M> {
             poses,
             motions: values.motions,
             inputs: vec![0.0; layout.inputs.len()],
+            held: vec![None; layout.inputs.len()],
             followed: vec![
                 Followed::new(n, layout.strands.len());
                 scenario.map_or(0, |s| layout.scenarios[s].follow.len())
@@ -163,7 +182,11 @@ impl<M: Model> Simulation<M> {
             layout,
             model,
         };
-        let started: Vec<usize> = values.start.iter().map(|&(c, _)| c).collect();
+        for (name, value) in &settings.inputs {
+            let known = simulation.layout.inputs.iter().map(|i| i.name.as_str());
+            let input = find_name(&simulation.layout.name, "input", name, known)?;
+            simulation.hold_input(input, Some(*value));
+        }
         simulation.find_start(&started)?;
         let follows = simulation.follows();
         simulation.stepper.lanes().follow(follows);
@@ -267,6 +290,11 @@ impl<M: Model> Simulation<M> {
     /// Inputs that were last fed.
     pub fn inputs(&self) -> &[f64] {
         &self.inputs
+    }
+    /// Holds an input at a value over the steps that follow, instead of what model and scenario give;
+    /// `None` lets go of it. A controller calls this between steps.
+    pub fn hold_input(&mut self, input: usize, value: Option<f64>) {
+        self.held[input] = value;
     }
     /// Index of the scenario that runs.
     pub fn scenario(&self) -> Option<usize> {
@@ -388,6 +416,9 @@ impl<M: Model> Simulation<M> {
             self.model.inputs(t, &mut self.inputs);
             if let Some(scenario) = self.scenario {
                 self.model.scenario_inputs(scenario, t, &mut self.inputs);
+            }
+            for (input, held) in self.inputs.iter_mut().zip(&self.held) {
+                *input = held.unwrap_or(*input);
             }
             for (strand, &length) in self.layout.strands.iter().zip(&self.start_lengths) {
                 if let Some(input) = strand.actuator.filter(|&input| self.inputs[input].is_nan()) {

@@ -35,6 +35,11 @@ impl<M: Model> Together<M> {
         self.active.iter().all(|&number| self.runs[number].is_over())
     }
 
+    /// Steps that the runs which go on have taken.
+    pub fn furthest(&self) -> usize {
+        self.runs.iter().map(|run| run.state.step).max().unwrap_or(0)
+    }
+
     /// The runs at their states. What is changed in them counts in the next step.
     pub fn runs(&mut self) -> &mut [Simulation<M>] {
         self.write();
