@@ -107,11 +107,7 @@ impl Interpreter {
 
     /// The equations with the parameters at hand.
     pub(crate) fn equations(&self) -> Mechanics<'_, f64> {
-        Mechanics {
-            mechanism: &self.mechanism,
-            structure: &self.structure,
-            numbers: &self.numbers,
-        }
+        Mechanics { mechanism: &self.mechanism, structure: &self.structure, numbers: &self.numbers }
     }
 
     /// Sets all parameters.

@@ -47,7 +47,8 @@ fn every_committed_crate_is_known() {
 fn compiling_twice_gives_the_same_text() {
     for path in models("models") {
         let Ok(mechanism) = mechanism(&path) else { continue };
-        let [first, second] = [0, 1].map(|_| package(&mechanism, &Sources::carried(), DEFAULT_BUDGET).expect("a crate"));
+        let [first, second] = [0, 1]
+            .map(|_| package(&mechanism, &Sources::carried(), DEFAULT_BUDGET).expect("a crate"));
         assert!(first.files == second.files, "{} is emitted in two ways", path.display());
     }
 }

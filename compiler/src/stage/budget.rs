@@ -16,7 +16,7 @@ use std::fmt;
 pub const DEFAULT_BUDGET: usize = 30_000;
 
 /// How much longer the equations may be before like parts are merged and equal operations found.
-const HOPE: usize = 20;
+const HOPE: usize = 10;
 
 /// Functions that are either all straight lines or all loops over tables, in order of their claim on the
 /// budget.
@@ -105,13 +105,12 @@ pub(super) fn spend(
     for group in Group::ALL {
         let of = |task: &&Task| Group::of(task) == Some(group);
         let cost: usize = tasks.iter().filter(of).map(cost).sum();
-        if std::env::var("DBG").is_ok() { eprintln!("{group}: {cost}"); }
         let is_idle = group == Group::Systems && tables.contains(&Group::Equations);
-        if tables.contains(&group) || is_idle || cost > left {
+        if cost > left || (is_idle && cost > 0) {
             tables.insert(group);
-            continue;
+        } else {
+            left -= cost;
         }
-        left -= cost;
     }
     tasks.retain(|task| Group::of(task).is_none_or(|group| !tables.contains(&group)));
     tables
@@ -120,8 +119,7 @@ pub(super) fn spend(
 /// Operations of a function and results that it writes.
 fn cost(task: &Task) -> usize {
     let roots: Vec<_> = task.outputs.iter().map(|output| output.value).collect();
-    let is_work = |&symbol: &crate::graph::Sym| {
-        !matches!(node(symbol), Node::Constant(_) | Node::Leaf(_))
-    };
+    let is_work =
+        |&symbol: &crate::graph::Sym| !matches!(node(symbol), Node::Constant(_) | Node::Leaf(_));
     reachable(&roots).into_iter().filter(is_work).count() + roots.len()
 }

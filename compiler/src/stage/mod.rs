@@ -21,10 +21,10 @@ mod time;
 
 use crate::emit::Output;
 use crate::graph::{Leaf, Sym};
+pub use budget::{DEFAULT_BUDGET, Group};
 use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Mechanism;
 use handc_runtime::structure::Structure;
-pub use budget::{DEFAULT_BUDGET, Group};
 pub use parts::{Part, parts};
 pub use shapes::{PartPlace, Shape, shared};
 use std::collections::{BTreeSet, HashMap};

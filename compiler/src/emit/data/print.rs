@@ -6,19 +6,20 @@ use super::Data;
 const WIDTH: usize = 100;
 
 impl Data {
-    /// The text of the expression, where `indent` columns are taken and `after` must follow it.
-    pub fn print(&self, indent: usize, after: usize) -> String {
+    /// The text of the expression, on lines that begin at column `indent`; so many columns are taken
+    /// `before` it on the first and `after` it on the last.
+    pub fn print(&self, indent: usize, [before, after]: [usize; 2]) -> String {
         let mut text = String::new();
         self.flat(&mut text);
         let (open, children, close) = match self.children() {
-            Some(parts) if indent + text.len() + after > WIDTH => parts,
+            Some(parts) if indent + before + text.len() + after > WIDTH => parts,
             _ => return text,
         };
         text.clear();
         text.push_str(&open);
         let inner = " ".repeat(indent + 4);
         for (label, child) in children {
-            let child = child.print(indent + 4 + label.len(), 1);
+            let child = child.print(indent + 4, [label.len(), 1]);
             text.push_str(&format!("\n{inner}{label}{child},"));
         }
         text.push_str(&format!("\n{}{close}", " ".repeat(indent)));
@@ -123,12 +124,12 @@ Thing {
     parent: Some(2),
     flag: true,
 }";
-        assert_eq!(Data::of(&thing).print(0, 0), expected);
+        assert_eq!(Data::of(&thing).print(0, [0, 0]), expected);
         assert_eq!(
-            Data::of(&Kind::Two(1, 2)).print(90, 0),
+            Data::of(&Kind::Two(1, 2)).print(90, [0, 0]),
             "Kind::Two(\n".to_owned()
                 + &format!("{0}1,\n{0}2,\n{1})", " ".repeat(94), " ".repeat(90))
         );
-        assert_eq!(Data::of(&String::new()).print(0, 0), "String::new()");
+        assert_eq!(Data::of(&String::new()).print(0, [0, 0]), "String::new()");
     }
 }

@@ -11,6 +11,9 @@ use std::fmt::{self, Display};
 /// Variants that box what they hold, which Serde does not tell.
 const BOXED: [(&str, &str); 1] = [("Law", "Muscle")];
 
+/// Enumerations whose variants are so frequent that they stand without its name.
+const BARE: [&str; 1] = ["Number"];
+
 /// Makes [`Data`].
 pub(super) struct Serial;
 
@@ -61,7 +64,7 @@ impl Sequence {
 }
 
 fn path(name: &str, variant: &str) -> String {
-    format!("{name}::{variant}")
+    if BARE.contains(&name) { variant.to_owned() } else { format!("{name}::{variant}") }
 }
 
 macro_rules! plain {

@@ -92,48 +92,66 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
     };
     let f64 = || quote!(f64);
     let methods = [
-        (Group::Constraints, make(
-            "rows",
-            "constraints",
-            &|m| m == Module::Constraints,
-            vec![read("q"), read("rest"), write("rows", "rows")],
-            &[("q", input()), ("t", f64()), ("rest", input()), ("rows", output())],
-        )),
-        (Group::Constraints, make(
-            "jacobian",
-            "constraint_jacobian",
-            &|m| m == Module::Constraints,
-            vec![read("q"), write("jacobian", "jacobian")],
-            &[("q", input()), ("t", f64()), ("jacobian", output())],
-        )),
-        (Group::Time, make(
-            "inputs",
-            "inputs",
-            &|m| m == Module::Time,
-            vec![write("inputs", "inputs")],
-            &[("t", f64()), ("inputs", output())],
-        )),
-        (Group::Time, make(
-            "rests",
-            "rests",
-            &|m| m == Module::Time,
-            vec![read("inputs"), write("rest", "rest")],
-            &[("t", f64()), ("inputs", input()), ("rest", output())],
-        )),
-        (Group::Time, make(
-            "drives",
-            "drives",
-            &|m| m == Module::Time,
-            vec![write("q", "q")],
-            &[("t", f64()), ("q", output())],
-        )),
-        (Group::Time, make(
-            "start",
-            "start",
-            &|m| m == Module::Time,
-            vec![write("q", "q"), write("v", "v")],
-            &[("q", output()), ("v", output())],
-        )),
+        (
+            Group::Constraints,
+            make(
+                "rows",
+                "constraints",
+                &|m| m == Module::Constraints,
+                vec![read("q"), read("rest"), write("rows", "rows")],
+                &[("q", input()), ("t", f64()), ("rest", input()), ("rows", output())],
+            ),
+        ),
+        (
+            Group::Constraints,
+            make(
+                "jacobian",
+                "constraint_jacobian",
+                &|m| m == Module::Constraints,
+                vec![read("q"), write("jacobian", "jacobian")],
+                &[("q", input()), ("t", f64()), ("jacobian", output())],
+            ),
+        ),
+        (
+            Group::Time,
+            make(
+                "inputs",
+                "inputs",
+                &|m| m == Module::Time,
+                vec![write("inputs", "inputs")],
+                &[("t", f64()), ("inputs", output())],
+            ),
+        ),
+        (
+            Group::Time,
+            make(
+                "rests",
+                "rests",
+                &|m| m == Module::Time,
+                vec![read("inputs"), write("rest", "rest")],
+                &[("t", f64()), ("inputs", input()), ("rest", output())],
+            ),
+        ),
+        (
+            Group::Time,
+            make(
+                "drives",
+                "drives",
+                &|m| m == Module::Time,
+                vec![write("q", "q")],
+                &[("t", f64()), ("q", output())],
+            ),
+        ),
+        (
+            Group::Time,
+            make(
+                "start",
+                "start",
+                &|m| m == Module::Time,
+                vec![write("q", "q"), write("v", "v")],
+                &[("q", output()), ("v", output())],
+            ),
+        ),
     ];
     let is_lines = |group: Group| !staged.tables.contains(&group);
     let methods = methods.into_iter().filter(|(group, _)| is_lines(*group)).map(|(_, made)| made);

@@ -86,7 +86,11 @@ pub(super) fn library(
     top.sort_unstable();
     top.dedup();
     let top = top.into_iter().map(identifier);
-    let tables = (!staged.tables.is_empty()).then(|| quote!(mod mechanism;));
+    let tables = (!staged.tables.is_empty()).then(|| {
+        quote!(
+            mod mechanism;
+        )
+    });
     quote! {
         #(#doc)*
         #![forbid(unsafe_code)]

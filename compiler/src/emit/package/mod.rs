@@ -159,8 +159,10 @@ fn assemble(
     }
     sources.extend(manifest::folders(&names, &list));
     sources.extend(modules.into_iter().map(|(m, tokens)| (modules::file(m, &names), tokens)));
-    let mut files =
-        vec![File { path: "Cargo.toml".to_owned(), text: manifest::manifest(&names, &staged, links) }];
+    let mut files = vec![File {
+        path: "Cargo.toml".to_owned(),
+        text: manifest::manifest(&names, &staged, links),
+    }];
     if !staged.tables.is_empty() {
         files.push(tables::mechanism(mechanism));
     }

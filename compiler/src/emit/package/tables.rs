@@ -94,9 +94,9 @@ pub(super) fn mechanism(mechanism: &Mechanism) -> File {
                     list(field, item, items, &mut lists);
                     format!("{field}()")
                 }
-                _ => data.print(8, field.len() + 3),
+                _ => data.print(8, [field.len() + 2, 1]),
             },
-            _ => data.print(8, field.len() + 3),
+            _ => data.print(8, [field.len() + 2, 1]),
         };
         // Writing to a string cannot fail.
         let _ = writeln!(whole, "        {field}: {value},");
@@ -105,6 +105,7 @@ pub(super) fn mechanism(mechanism: &Mechanism) -> File {
         "// {MARKER} from the model; changes here are lost.\n\n\
          //! The mechanism as constant data, for what loops over tables compute.\n\n\
          use handc_runtime::expression::*;\n\
+         use handc_runtime::mechanism::Number::*;\n\
          use handc_runtime::mechanism::*;\n\n\
          /// All of it.\n\
          pub(crate) fn mechanism() -> {name} {{\n    {name} {{\n{whole}    }}\n}}\n{lists}"
@@ -115,7 +116,7 @@ pub(super) fn mechanism(mechanism: &Mechanism) -> File {
 /// A function that makes a list, in pieces if it is long.
 fn list(field: &str, item: &str, items: &[Data], text: &mut String) {
     let piece = |name: &str, items: &[Data]| {
-        let list = Data::List(items.to_vec()).print(4, 0);
+        let list = Data::List(items.to_vec()).print(4, [0, 0]);
         format!("\nfn {name}() -> Vec<{item}> {{\n    {list}\n}}\n")
     };
     if items.len() <= PIECE {
