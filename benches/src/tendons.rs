@@ -10,62 +10,87 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// An element: its name, its declarations on the joint `a{i}`, and the most it should cost (ns).
+/// An element: its name, its declarations on the joint `a{i}`, what stands there without it, and the
+/// most it should cost (ns).
 struct Element {
     name: &'static str,
     text: &'static str,
+    without: Option<usize>,
     target: Option<f64>,
 }
+
+/// What elements are added to, by number.
+const STRANDS: [&str; 2] = [
+    // A strand that becomes one with a wrapping point.
+    "strand s# { path = world (-60, #0, 20) mm -> a# (0, 2, -150) mm; stiffness = 300 N/m; rest = 180 mm; }",
+    // Three strands that a node joins.
+    "strand s# { path = a# (0, 0, -150) mm -> world (150, #5, -120) mm; stiffness = 300 N/m; rest = 100 mm; }
+     strand t# { path = a# (0, 0, -150) mm -> world (300, #9, -100) mm; stiffness = 300 N/m; rest = 100 mm; }
+     strand u# { path = a# (0, 0, -150) mm -> world (200, #9, 50) mm; stiffness = 300 N/m; rest = 100 mm; }",
+];
 
 /// `#` stands for the number of the joint.
 const ELEMENTS: [Element; 9] = [
     Element {
         name: "strand, one segment",
         text: "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; stiffness = 300 N/m; rest = 180 mm; }",
+        without: None,
         target: None,
     },
     Element {
         name: "slack strand with damping",
         text: "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; stiffness = 300 N/m; rest = 180 mm; slack = true; slack_width = 5 mm; damping = 0.1 N*s/m; }",
+        without: None,
         target: None,
     },
     Element {
         name: "energy law with a toe",
         text: "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; energy = if(x < x0, 0 J, 3 N/mm * (x - x0)^3 / 60 mm); rest = 180 mm; }",
+        without: None,
         target: None,
     },
     Element {
         name: "commanded tension of length and rate",
         text: "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; tension = 5 N + 10 N/m * (x - 0.2 m) + 0.1 N*s/m * rate(x); }",
+        without: None,
         target: None,
     },
     Element {
-        name: "wrapping point, cylinder",
+        name: "wrapping point of a strand, cylinder",
         text: "strand s# { path = world (-60, #0, 20) mm -> via wrap cylinder(world (0, #0, 0) mm, axis = y, radius = 30 mm, side = z) -> a# (0, 0, -150) mm; stiffness = 300 N/m; rest = 180 mm; }",
+        without: Some(0),
         target: Some(60.0),
     },
     Element {
-        name: "wrapping point, sphere",
+        name: "wrapping point of a strand, sphere",
         text: "strand s# { path = world (-60, #0, 20) mm -> via wrap sphere(world (0, #0, 0) mm, radius = 30 mm, side = z) -> a# (0, 2, -150) mm; stiffness = 300 N/m; rest = 180 mm; }",
+        without: Some(0),
         target: Some(60.0),
     },
     Element {
-        name: "massless node with three strands",
+        name: "massless node of three strands",
         text: "node n# at (150, #5, -120) mm in world { }
          strand s# { path = a# (0, 0, -150) mm -> n#; stiffness = 300 N/m; rest = 100 mm; }
          strand t# { path = n# -> world (300, #9, -100) mm; stiffness = 300 N/m; rest = 100 mm; }
          strand u# { path = n# -> world (200, #9, 50) mm; stiffness = 300 N/m; rest = 100 mm; }",
+        without: Some(1),
         target: Some(100.0),
     },
     Element {
         name: "friction over two points",
         text: "strand s# { path = world (-200, #0, -100) mm -> world (-100, #0, -50) mm -> a# (0, 0, -100) mm -> a# (10, 0, -150) mm; stiffness = 300 N/m; rest = 180 mm; friction = 0.2; friction_speed = 0.1 m/s; }",
+        without: None,
         target: None,
     },
-    Element { name: "muscle with an elastic tendon", text: MUSCLE, target: Some(80.0) },
+    Element {
+        name: "muscle with an elastic tendon",
+        text: MUSCLE,
+        without: None,
+        target: Some(80.0),
+    },
 ];
 
-const MUSCLE: &str = "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; muscle = thelen2003; max_force = 20 N; optimal_fibre = 80 mm; tendon_slack = 120 mm; pennation = 5 deg; excitation = 0.2; }";
+const MUSCLE: &str = "strand s# { path = world (200, #0, -100) mm -> a# (0, 0, -150) mm; muscle = thelen2003; max_force = 20 N; optimal_fibre = 80 mm; tendon_slack = 120 mm; pennation = 5 deg; excitation = 0.2 + 0.1 * sin(9 rad/s * t); }";
 
 /// Elements in one model.
 const TOGETHER: usize = 4;
@@ -95,15 +120,18 @@ fn made(own: &Own, name: &str, text: &str) -> Result<Crate, String> {
     Ok(made)
 }
 
+/// What stands on the joints of each model: nothing, what elements are added to, the elements.
+fn texts() -> impl Iterator<Item = &'static str> {
+    [""].into_iter().chain(STRANDS).chain(ELEMENTS.iter().map(|element| element.text))
+}
+
 /// The table: nanoseconds a step for one element, alone and as one of four.
 pub(crate) fn report(own: &Own, rounds: usize) -> Result<String, String> {
     let mut crates = Vec::new();
     for count in [1, TOGETHER] {
-        let name = format!("bare{count}");
-        crates.push(made(own, &name, &model(&name, count, ""))?);
-        for (k, element) in ELEMENTS.iter().enumerate() {
+        for (k, text) in texts().enumerate() {
             let name = format!("element{k}of{count}");
-            crates.push(made(own, &name, &model(&name, count, element.text))?);
+            crates.push(made(own, &name, &model(&name, count, text))?);
         }
     }
     let mut times = vec![Series::default(); crates.len()];
@@ -113,15 +141,17 @@ pub(crate) fn report(own: &Own, rounds: usize) -> Result<String, String> {
             series.0.push(run.wall * 1e9 / run.steps);
         }
     }
-    let half = ELEMENTS.len() + 1;
-    let (alone, together) = times.split_at(half);
+    let (alone, together) = times.split_at(crates.len() / 2);
     let mut out = String::from(
-        "\nNanoseconds a step that one element adds to a pendulum: in a model of one, and each of four.\n\n\
+        "\nNanoseconds a step that one element adds to a pendulum: in a model of one, and each of four. \
+         Wrapping points and\nnodes are what they add to the same strands without them.\n\n\
          | element | alone | one of four | at most |\n|---|---|---|---|\n",
     );
     for (k, element) in ELEMENTS.iter().enumerate() {
-        let single = alone[k + 1].least() - alone[0].least();
-        let shared = (together[k + 1].least() - together[0].least()) / TOGETHER as f64;
+        let with = 1 + STRANDS.len() + k;
+        let without = element.without.map_or(0, |strand| 1 + strand);
+        let single = alone[with].least() - alone[without].least();
+        let shared = (together[with].least() - together[without].least()) / TOGETHER as f64;
         let target = match element.target {
             Some(target) if single <= target => format!("{target:.0}: met"),
             Some(target) => format!("{target:.0}: not met"),

@@ -58,6 +58,17 @@ fn the_runner_does_as_the_interpreter_does() {
     assert_eq!(run(&["--scenario", "none"]).code, 2);
     assert_eq!(run(&["--scenario", "match", "--sett", "k=1"]).code, 2);
     assert_eq!(run(&["--scenario", "match", "--set", "kk=1"]).code, 2);
+    // Out of its range: the same complaint, with the line.
+    let options = ["--scenario", "match", "--set", "k=-1"];
+    let (compiled, interpreted) =
+        (run(&options), handc(&here, &[&["run", "m.hdl"], &options[..]].concat()));
+    assert_eq!((compiled.code, interpreted.code), (3, 3));
+    assert!(interpreted.err.ends_with(&compiled.err), "{}", interpreted.err);
+    assert!(
+        compiled.err.contains("cannot be negative, and is -1 at the start (m.hdl:4)"),
+        "{}",
+        compiled.err
+    );
     assert_eq!(run(&["--scenario", "match", "--step=-1"]).code, 2);
     assert_eq!(run(&["--scenario", "match", "--out", "no/folder/a.csv"]).code, 3);
     assert_eq!(run(&["--help"]).code, 0);

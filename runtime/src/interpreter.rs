@@ -12,8 +12,8 @@ use crate::structure::Structure;
 use crate::vector::Transform;
 use handc_core::lanes::next_revision;
 use handc_core::layout::{
-    ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Muscle, Quantity, ScenarioLayout,
-    Strand, Wrap,
+    ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Muscle, Quantity, Requirement,
+    ScenarioLayout, Strand, Wrap,
 };
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use std::sync::Arc;
@@ -190,8 +190,8 @@ impl Model for Interpreter {
         let (mechanics, workspace) = self.mechanics();
         mechanics.evaluate(workspace, &point(at), momentum, force, Some((h, matrix)));
     }
-    fn muscle_numbers(&mut self, numbers: &mut [f64]) {
-        self.mechanics().0.muscle_numbers(numbers);
+    fn required_numbers(&mut self, numbers: &mut [f64]) {
+        self.mechanics().0.required_numbers(numbers);
     }
     fn constraints(&mut self, q: &[f64], t: f64, rest: &[f64], values: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();
@@ -362,6 +362,16 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
             .enumerate()
             .flat_map(|(strand, s)| s.wraps.iter().map(move |wrap| (strand, wrap)))
             .map(|(strand, wrap)| Wrap { strand, surface: wrap.to_string() })
+            .collect(),
+        requirements: mechanism
+            .requirements
+            .iter()
+            .map(|r| Requirement {
+                text: r.text.clone(),
+                source: r.source.clone(),
+                least: r.least,
+                most: r.most,
+            })
             .collect(),
         rows: mechanism
             .constraints

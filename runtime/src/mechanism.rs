@@ -542,6 +542,28 @@ pub struct Scenario {
     pub records: Vec<(String, Program)>,
 }
 
+/// A number that depends on parameters and must lie in a range when a run begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Requirement {
+    /// What must be.
+    pub text: String,
+    /// `file:line` where the number is written.
+    pub source: String,
+    /// The number.
+    pub number: Number,
+    /// Least value that is allowed.
+    pub least: f64,
+    /// Largest.
+    pub most: f64,
+}
+
+impl Requirement {
+    /// Whether another is about the same number and range.
+    pub fn is_as(&self, other: &Self) -> bool {
+        (self.number, self.least, self.most) == (other.number, other.least, other.most)
+    }
+}
+
 /// A whole model as constant data.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
@@ -576,4 +598,6 @@ pub struct Mechanism {
     pub forces: Vec<Force>,
     /// Scenarios.
     pub scenarios: Vec<Scenario>,
+    /// Ranges of numbers that depend on parameters.
+    pub requirements: Vec<Requirement>,
 }

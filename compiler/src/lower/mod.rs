@@ -17,8 +17,8 @@ use handc_dsl::source::{SourceMap, Span};
 use handc_runtime::expression::{Function, Own, Program};
 use handc_runtime::mechanism::{
     Constraint, ConstraintKind, Coordinate, Force, Frame, Friction, Input, Law, Link, Mechanism,
-    Motion, Number, NumberTransform, NumberVector, Param, Point, Role, Strand, SurfaceForm, Torque,
-    Wrap,
+    Motion, Number, NumberTransform, NumberVector, Param, Point, Requirement, Role, Strand,
+    SurfaceForm, Torque, Wrap,
 };
 use handc_runtime::surface::planes;
 use handc_runtime::vector::{Mat3, Transform, Vec3};
@@ -91,6 +91,12 @@ impl Lowering<'_> {
         mechanism.torques = model.torques.iter().map(|torque| self.torque(torque)).collect();
         mechanism.forces = model.forces.iter().map(|force| self.force(force)).collect();
         mechanism.scenarios = model.scenarios.iter().map(|s| self.scenario(s)).collect();
+        for requirement in &model.requirements {
+            let requirement = self.requirement(requirement);
+            // Strands often share a parameter; one place is enough to tell.
+            let is_known = mechanism.requirements.iter().any(|known| known.is_as(&requirement));
+            mechanism.requirements.extend((!is_known).then_some(requirement));
+        }
         mechanism.links = std::mem::take(&mut self.links);
         mechanism.values = graph::to_program(&self.values);
         for ([strand, wrap], plane) in planes(&mechanism) {
@@ -164,6 +170,16 @@ impl Lowering<'_> {
         let path = self.sources.path(span.file);
         let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
         format!("{file}:{}", self.sources.line_col(span).0)
+    }
+
+    fn requirement(&mut self, requirement: &hir::Requirement) -> Requirement {
+        Requirement {
+            text: requirement.text.clone(),
+            source: self.source(requirement.value.span),
+            number: self.number(&requirement.value),
+            least: requirement.least,
+            most: requirement.most,
+        }
     }
 
     fn place_frames(&mut self) {

@@ -5,7 +5,6 @@ use super::symbols::Symbols;
 use super::{Module, Task};
 use crate::emit::{Output, Place};
 use crate::graph::{Leaf, Sym};
-use handc_core::muscle::NUMBERS;
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Law;
@@ -43,7 +42,7 @@ pub(super) fn tasks(symbols: &Symbols) -> Vec<Task> {
     let mut tasks = strands(symbols);
     tasks.push(commands(symbols));
     tasks.extend(clearances(symbols));
-    tasks.extend(muscle_numbers(symbols));
+    tasks.extend(required_numbers(symbols));
     tasks.extend(constraints(symbols));
     tasks.push(potential(symbols));
     tasks.push(frames(symbols));
@@ -241,25 +240,20 @@ fn clearances(symbols: &Symbols) -> Option<Task> {
     })
 }
 
-/// Numbers of muscles that a change of parameters may put out of range, if there are any.
-fn muscle_numbers(symbols: &Symbols) -> Option<Task> {
-    let strands = symbols.mechanism.strands.iter();
-    let muscles: Vec<_> = strands.filter(|strand| strand.muscle().is_some()).collect();
-    let mut found = vec![Sym::zero(); NUMBERS.len() * muscles.len()];
-    symbols.mechanics().muscle_numbers(&mut found);
-    // What is constant has been looked at in the text.
-    if found.iter().all(|number| number.as_constant().is_some()) {
+/// Numbers that a change of parameters may put out of range, if there are any.
+fn required_numbers(symbols: &Symbols) -> Option<Task> {
+    let requirements = &symbols.mechanism.requirements;
+    if requirements.is_empty() {
         return None;
     }
-    let list = muscles.iter().map(|strand| cited(&strand.name, &strand.source)).collect();
-    let opening = format!("Numbers of every muscle that must be positive: {}.", NUMBERS.join(", "));
-    let about = sentence("Muscles", list).into_iter().flat_map(|line| [String::new(), line]);
+    let mut found = vec![Sym::zero(); requirements.len()];
+    symbols.mechanics().required_numbers(&mut found);
     Some(Task {
-        module: Module::Strands,
-        name: "muscle_numbers",
-        doc: std::iter::once(opening).chain(about).collect(),
+        module: Module::Time,
+        name: "required_numbers",
+        doc: vec!["Numbers that must lie in their ranges when a run begins.".to_owned()],
         outputs: outputs("numbers", found.into_iter().enumerate(), true, |slot| {
-            muscles[slot / NUMBERS.len()].name.clone()
+            requirements[slot].text.clone()
         }),
     })
 }

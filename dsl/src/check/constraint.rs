@@ -1,6 +1,7 @@
 //! Constraints and the rows of their multipliers.
 
 use super::depend::May;
+use super::range::POSITIVE;
 use super::scope::ScopeId;
 use super::{Checker, constant, zero_vector};
 use crate::ast::{self, Argument, ConstraintKind as Ast, DeclKind};
@@ -53,7 +54,7 @@ impl<'a> Checker<'a> {
                 let (want, what) = (Dimension::LENGTH, "a distance");
                 let distance = self.expect(scope, distance, want, what, May::PARAMS)?;
                 let rule = "a distance must be positive";
-                self.must(&distance, |x| x > 0.0, rule);
+                self.must(&distance, POSITIVE, rule);
                 if constant(&distance) == Some(0.0) {
                     let last = self.out.last_mut();
                     if let Some(error) = last {

@@ -3,6 +3,7 @@
 use super::depend::May;
 use super::fold::bare_zero;
 use super::options::Options;
+use super::range::NOT_NEGATIVE;
 use super::scope::ScopeId;
 use super::{Checker, Value, constant};
 use crate::ast;
@@ -69,7 +70,7 @@ impl<'a> Checker<'a> {
                 "rest" => {}
                 _ => {
                     let message = format!("{what} cannot be negative");
-                    self.must(&values[0], |x| x >= 0.0, &message);
+                    self.must(&values[0], NOT_NEGATIVE, &message);
                 }
             }
             for (coordinate, value) in own.iter_mut().zip(values) {

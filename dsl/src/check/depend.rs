@@ -94,6 +94,11 @@ fn offender(expr: &Expr, may: May) -> Option<(Span, &'static str)> {
     }
 }
 
+/// Whether an expression depends on nothing but what is allowed.
+pub(super) fn is_allowed(expr: &Expr, may: May) -> bool {
+    offender(expr, may).is_none()
+}
+
 /// Whether all that keeps an expression from being a constant are parameters handed in from outside
 /// of `text`, as arguments of a component.
 pub(super) fn through_arguments(expr: &Expr, text: Span) -> bool {

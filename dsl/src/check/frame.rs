@@ -2,7 +2,7 @@
 
 use super::depend::May;
 use super::scope::ScopeId;
-use super::{Checker, constant, zero_vector};
+use super::{Checker, zero_vector};
 use crate::ast;
 use crate::diagnostic::Diagnostic;
 use crate::dimension::Dimension;
@@ -116,14 +116,5 @@ impl<'a> Checker<'a> {
         let offset = self.position(scope, point.offset.as_ref(), "a point", point.span);
         let frame = self.frame_ids[frame?];
         Some(hir::Point { frame, offset, span: point.span })
-    }
-
-    /// Complains about a constant that breaks a rule.
-    pub(super) fn must(&mut self, value: &hir::Expr, rule: impl Fn(f64) -> bool, message: &str) {
-        if let Some(x) = constant(value)
-            && !rule(x)
-        {
-            self.report(Diagnostic::error("value", value.span, message));
-        }
     }
 }

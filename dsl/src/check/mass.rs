@@ -2,6 +2,7 @@
 
 use super::depend::May;
 use super::options::Options;
+use super::range::{NOT_NEGATIVE, POSITIVE};
 use super::scope::ScopeId;
 use super::{Checker, constant, zero_vector};
 use crate::ast::{DeclKind, Shape};
@@ -75,7 +76,7 @@ impl<'a> Checker<'a> {
     fn explicit(&mut self, body: &Body<'_, 'a>) -> Option<MassKind> {
         let mass = self.option(body, "mass", Dimension::MASS, Some("mass = 5 g;"));
         if let Some(mass) = &mass {
-            self.must(mass, |x| x >= 0.0, "a mass cannot be negative");
+            self.must(mass, NOT_NEGATIVE, "a mass cannot be negative");
         }
         let at = self.option_vector(body, "at", Dimension::LENGTH, None);
         let at = at.unwrap_or_else(|| zero_vector(Dimension::LENGTH, body.span));
@@ -110,7 +111,7 @@ impl<'a> Checker<'a> {
             [a, b, c, d, e, f]
         };
         for moment in &all[..3] {
-            self.must(moment, |x| x >= 0.0, "a moment of inertia cannot be negative");
+            self.must(moment, NOT_NEGATIVE, "a moment of inertia cannot be negative");
         }
         Some(Box::new(all))
     }
@@ -123,7 +124,7 @@ impl<'a> Checker<'a> {
             _ => self.option(body, "radius", length, Some("radius = 9 mm;")),
         };
         if let Some(radius) = &radius {
-            self.must(radius, |x| x > 0.0, "a radius must be positive");
+            self.must(radius, POSITIVE, "a radius must be positive");
         }
         match name {
             "sphere" => {
@@ -135,7 +136,7 @@ impl<'a> Checker<'a> {
                 let size =
                     self.option_vector(body, "size", length, Some("size = (1, 2, 3) cm;"))?;
                 for edge in &size {
-                    self.must(edge, |x| x > 0.0, "an edge of a box must be positive");
+                    self.must(edge, POSITIVE, "an edge of a box must be positive");
                 }
                 Some(MassKind::Box { at, size, amount: amount? })
             }
@@ -187,12 +188,12 @@ impl<'a> Checker<'a> {
             }
             (Some(_), None) => {
                 let density = self.option(body, "density", Dimension::DENSITY, None)?;
-                self.must(&density, |x| x >= 0.0, "a density cannot be negative");
+                self.must(&density, NOT_NEGATIVE, "a density cannot be negative");
                 Some(Amount::Density(density))
             }
             (None, Some(_)) => {
                 let mass = self.option(body, "mass", Dimension::MASS, None)?;
-                self.must(&mass, |x| x >= 0.0, "a mass cannot be negative");
+                self.must(&mass, NOT_NEGATIVE, "a mass cannot be negative");
                 Some(Amount::Mass(mass))
             }
         }

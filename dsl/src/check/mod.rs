@@ -24,6 +24,7 @@ mod name;
 mod node;
 mod options;
 mod path;
+mod range;
 mod refer;
 mod scenario;
 mod scope;
@@ -134,6 +135,7 @@ struct Checker<'a> {
     actuators: Vec<(usize, usize)>,
     /// Strands that are muscles.
     muscles: Vec<muscle::RawMuscle>,
+    requirements: Vec<hir::Requirement>,
     /// Positions of nodes in their frames, by joint.
     node_positions: BTreeMap<usize, hir::Vector>,
     /// Whether an expression is part of a strand's law, where `x` is its length.
@@ -193,6 +195,7 @@ impl<'a> Checker<'a> {
             prescribed: Vec::new(),
             actuators: Vec::new(),
             muscles: Vec::new(),
+            requirements: Vec::new(),
             node_positions: BTreeMap::new(),
             in_law: false,
             gravity: Vec::new(),
@@ -270,6 +273,7 @@ impl<'a> Checker<'a> {
             torques,
             forces,
             scenarios,
+            requirements: std::mem::take(&mut self.requirements),
         }
     }
 

@@ -6,6 +6,7 @@
 use super::depend::May;
 use super::name::Entity;
 use super::options::Options;
+use super::range::{NOT_NEGATIVE, POSITIVE};
 use super::scope::ScopeId;
 use super::strand::{wanted, word};
 use super::value::NamedId;
@@ -16,6 +17,7 @@ use crate::dimension::Dimension;
 use crate::hir::{self, Coordinate, CoordinateId, Expr, InputId, MotionKind, Name, Owner};
 use crate::source::Span;
 use crate::suggest::nearest;
+use std::f64::consts::FRAC_PI_2;
 
 /// Models of muscles.
 const MODELS: [&str; 1] = ["thelen2003"];
@@ -196,10 +198,10 @@ impl<'a> Checker<'a> {
         for (name, dimension, default, example) in NUMBERS {
             let value = match (options.get(name), default) {
                 (Some(text), _) => {
-                    let what = format!("`{name}` of a muscle");
+                    let what = format!("`{name}` of muscle `{}`", self.strands[strand].name.text);
                     let value = self.expect(scope, text, dimension, &what, May::PARAMS);
                     if let Some(value) = &value {
-                        self.muscle_range(name, value);
+                        self.muscle_range(strand, name, value);
                     }
                     value
                 }
@@ -213,13 +215,13 @@ impl<'a> Checker<'a> {
         }
         // The default is looked at where inputs are; here only its range.
         if let Some(value) = options.get("excitation").and_then(|text| self.quietly(scope, text)) {
-            self.muscle_range("excitation", &value);
+            self.muscle_range(strand, "excitation", &value);
         }
         let start = options.get("activation").map(|text| {
             let what = "`activation` of a muscle at the start";
             let value = self.expect(scope, text, Dimension::NONE, what, May::PARAMS);
             if let Some(value) = &value {
-                self.muscle_range("activation", value);
+                self.muscle_range(strand, "activation", value);
             }
             value
         });
@@ -274,25 +276,25 @@ impl<'a> Checker<'a> {
     }
 
     /// Complains about a constant out of its range.
-    fn muscle_range(&mut self, name: &str, value: &Expr) {
-        let what = format!("`{name}` of a muscle");
+    fn muscle_range(&mut self, strand: usize, name: &str, value: &Expr) {
+        let what = format!("`{name}` of muscle `{}`", self.strands[strand].name.text);
         match name {
             "excitation" | "activation" => {
                 let message = format!("{what} lies between 0 and 1");
-                self.must(value, |x| (0.0..=1.0).contains(&x), &message);
+                self.must(value, 0.0..=1.0, &message);
             }
             "pennation" => {
                 let message = format!("{what} lies between 0 and 90 deg");
-                self.must(value, |x| (0.0..std::f64::consts::FRAC_PI_2).contains(&x), &message);
+                self.must(value, 0.0..=FRAC_PI_2.next_down(), &message);
             }
             "eccentric_force" => {
                 let message = format!("{what} is above 1: lengthening fibres resist more");
-                self.must(value, |x| x > 1.0, &message);
+                self.must(value, 1f64.next_up()..=f64::INFINITY, &message);
             }
             "fibre_damping" => {
-                self.must(value, |x| x >= 0.0, &format!("{what} cannot be negative"));
+                self.must(value, NOT_NEGATIVE, &format!("{what} cannot be negative"));
             }
-            _ => self.must(value, |x| x > 0.0, &format!("{what} must be positive")),
+            _ => self.must(value, POSITIVE, &format!("{what} must be positive")),
         }
     }
 }

@@ -7,6 +7,7 @@
 use super::Checker;
 use super::depend::May;
 use super::expect::named_axis;
+use super::range::NOT_NEGATIVE;
 use super::scope::{Entry, ScopeId};
 use super::{Item, constant, number, zero_vector};
 use crate::ast::{self, Block, DeclKind, ExprKind as Ast};
@@ -116,7 +117,7 @@ impl<'a> Checker<'a> {
             else {
                 continue;
             };
-            self.must(&mass, |m| m >= 0.0, "a mass cannot be negative");
+            self.must(&mass, NOT_NEGATIVE, "a mass cannot be negative");
             if constant(&mass) == Some(0.0) {
                 continue;
             }

@@ -1,6 +1,7 @@
 //! Paths of strands: points, and the surfaces wrapped between them.
 
 use super::depend::May;
+use super::range::POSITIVE;
 use super::scope::ScopeId;
 use super::{Checker, constant};
 use crate::ast::{PathOption, Station, Wrap};
@@ -155,7 +156,7 @@ impl<'a> Checker<'a> {
                     let (want, what) = (Dimension::LENGTH, "`radius` of a surface");
                     said.radius = self.expect(scope, &option.value, want, what, May::PARAMS);
                     if let Some(radius) = &said.radius {
-                        self.must(radius, |x| x > 0.0, "a radius must be positive");
+                        self.must(radius, POSITIVE, "a radius must be positive");
                     }
                 }
                 "axis" => said.axis = self.axis(scope, &option.value, "the axis of a cylinder"),

@@ -2,6 +2,7 @@
 
 use super::depend::May;
 use super::name::Entity;
+use super::range::POSITIVE;
 use super::scope::ScopeId;
 use super::value::NamedId;
 use super::{Checker, constant};
@@ -173,8 +174,9 @@ impl<'a> Checker<'a> {
         let want = if key == 2 { Dimension::NONE } else { Dimension::TIME };
         let what = format!("`{word}`");
         let value = self.expect(root, &setting.value, want, &what, May::PARAMS);
-        if let Some(value) = &value {
-            self.must(value, |x| x > 0.0, &format!("`{word}` must be positive"));
+        // One of another scenario does not matter to a run.
+        if let Some(value) = value.as_ref().filter(|value| constant(value).is_some()) {
+            self.must(value, POSITIVE, &format!("`{word}` must be positive"));
         }
         match key {
             0 => draft.scenario.step = value,

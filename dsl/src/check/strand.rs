@@ -3,6 +3,7 @@
 use super::depend::May;
 use super::muscle;
 use super::options::Options;
+use super::range::{NOT_NEGATIVE, POSITIVE};
 use super::scope::{Entry, ScopeId};
 use super::{Checker, Item, Named, State, Value};
 use crate::ast::{Block, Decl, DeclKind, Expr, ExprKind, Setting};
@@ -94,7 +95,7 @@ impl<'a> Checker<'a> {
             });
             if let Some(damping) = &damping {
                 let message = "`damping` of a strand cannot be negative";
-                self.must(damping, |x| x >= 0.0, message);
+                self.must(damping, NOT_NEGATIVE, message);
             }
             let slack = self.slack(scope, name.span, block, &options);
             let friction = self.friction(scope, name.span, block, &options);
@@ -160,7 +161,7 @@ impl<'a> Checker<'a> {
                 let stiffness =
                     self.expect(scope, text, Dimension::STIFFNESS, what, May::PARAMS)?;
                 let message = "`stiffness` of a strand cannot be negative";
-                self.must(&stiffness, |x| x >= 0.0, message);
+                self.must(&stiffness, NOT_NEGATIVE, message);
                 Some(hir::Law::Stiffness(stiffness))
             }
             "energy" => {
@@ -177,7 +178,7 @@ impl<'a> Checker<'a> {
                 self.in_law = false;
                 let tension = tension?;
                 let message = "a strand pulls: its tension cannot be negative";
-                self.must(&tension, |x| x >= 0.0, message);
+                self.must(&tension, NOT_NEGATIVE, message);
                 Some(hir::Law::Tension(tension))
             }
             "muscle" => {
@@ -214,7 +215,7 @@ impl<'a> Checker<'a> {
         let given =
             text.and_then(|text| self.expect(scope, text, Dimension::LENGTH, what, May::REST));
         if let Some(given) = &given {
-            self.must(given, |x| x >= 0.0, "a natural length cannot be negative");
+            self.must(given, NOT_NEGATIVE, "a natural length cannot be negative");
         }
         let actuator = self.actuators.iter().find(|a| a.0 == index);
         match actuator {
@@ -253,7 +254,7 @@ impl<'a> Checker<'a> {
         let what = "`friction` of a strand";
         let coefficient =
             self.expect(scope, &coefficient.value, Dimension::NONE, what, May::PARAMS)?;
-        self.must(&coefficient, |x| x >= 0.0, "a friction coefficient cannot be negative");
+        self.must(&coefficient, NOT_NEGATIVE, "a friction coefficient cannot be negative");
         let speed = match speed {
             None => super::number(FRICTION_SPEED, Dimension::VELOCITY, span),
             Some(speed) => {
@@ -261,7 +262,7 @@ impl<'a> Checker<'a> {
                 self.expect(scope, &speed.value, Dimension::VELOCITY, what, May::PARAMS)?
             }
         };
-        self.must(&speed, |x| x > 0.0, "`friction_speed` of a strand must be positive");
+        self.must(&speed, POSITIVE, "`friction_speed` of a strand must be positive");
         Some([coefficient, speed])
     }
 
@@ -313,7 +314,7 @@ impl<'a> Checker<'a> {
         }
         let what = "`slack_width` of a strand";
         let width = self.expect(scope, &width.value, Dimension::LENGTH, what, May::PARAMS)?;
-        self.must(&width, |x| x > 0.0, "`slack_width` of a strand must be positive");
+        self.must(&width, POSITIVE, "`slack_width` of a strand must be positive");
         slack.map(|_| width)
     }
 }

@@ -132,4 +132,19 @@ pub struct Model {
     pub forces: Vec<Force>,
     /// Scenarios in declaration order.
     pub scenarios: Vec<Scenario>,
+    /// Ranges of numbers that depend on parameters.
+    pub requirements: Vec<Requirement>,
+}
+
+/// A number that depends on parameters and must lie in a range.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Requirement {
+    /// What must be, as a sentence without an end.
+    pub text: String,
+    /// The number; its span is where it is written.
+    pub value: Expr,
+    /// Least value that is allowed.
+    pub least: f64,
+    /// Largest.
+    pub most: f64,
 }

@@ -72,6 +72,12 @@ impl Model for Finger {
         time::start(q, v);
     }
 
+    fn required_numbers(&mut self, numbers: &mut [f64]) {
+        let params = &self.params;
+        let numbers = sized_mut(numbers);
+        time::required_numbers(params, numbers);
+    }
+
     fn potential(&mut self, q: &[f64], rest: &[f64]) -> f64 {
         let params = &self.params;
         let q = sized(q);

@@ -3,7 +3,8 @@
 //! Names, counts and indices of the model.
 
 use handc_core::layout::{
-    Block, Coordinate, CoordinateKind, Follow, Layout, Quantity, ScenarioLayout, Strand,
+    Block, Coordinate, CoordinateKind, Follow, Layout, Quantity, Requirement,
+    ScenarioLayout, Strand,
 };
 
 /// Number of coordinates.
@@ -30,6 +31,8 @@ pub const ARMS: usize = 12;
 pub const POSES: usize = 60;
 /// Numbers that follow from parameters.
 pub const VALUES: usize = 0;
+/// Numbers that must lie in their ranges.
+pub const NUMBERS: usize = 3;
 /// Positions by coordinate name.
 pub mod coordinate {
     /// `mcp`.
@@ -109,6 +112,14 @@ pub fn layout() -> Layout {
             is_prescribed : false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
+        requirements: vec![
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "finger.hdl:49".into(), least : 0.0, most : f64::INFINITY, },
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "finger.hdl:65".into(), least : 0.0, most : f64::INFINITY, },
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "finger.hdl:74".into(), least : 0.0, most : f64::INFINITY, }
+        ],
         rows: vec![],
         blocks: vec![
             Block { coordinates : vec![0, 1, 2], rows : vec![], parts : vec![3],

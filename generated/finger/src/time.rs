@@ -2,7 +2,19 @@
 
 //! Start values and functions of time.
 
-use crate::layout::{COORDINATES, coordinate};
+use crate::layout::{COORDINATES, NUMBERS, PARAMETERS, coordinate, parameter};
+
+/// Numbers that must lie in their ranges when a run begins.
+///
+/// 0 operations.
+pub fn required_numbers(params: &[f64; PARAMETERS], numbers: &mut [f64; NUMBERS]) {
+    let k_flexor = params[parameter::K_FLEXOR];
+    let k_extensor = params[parameter::K_EXTENSOR];
+    let k_lumbrical = params[parameter::K_LUMBRICAL];
+    numbers[0] = k_flexor;
+    numbers[1] = k_extensor;
+    numbers[2] = k_lumbrical;
+}
 
 /// Coordinates and rates at the start.
 ///

@@ -86,6 +86,7 @@ pub fn layout() -> Layout {
         ],
         strands: vec![],
         wraps: vec![],
+        requirements: vec![],
         rows: vec![
             ConstraintRow { name : "pin.x".into() }, ConstraintRow { name : "pin.z"
             .into() }

@@ -4,7 +4,7 @@
 
 use handc_core::layout::{
     Block, ConstraintRow, Coordinate, CoordinateKind, Follow, Layout, Quantity,
-    ScenarioLayout, Strand,
+    Requirement, ScenarioLayout, Strand,
 };
 
 /// Number of coordinates.
@@ -31,6 +31,8 @@ pub const ARMS: usize = 598;
 pub const POSES: usize = 624;
 /// Numbers that follow from parameters.
 pub const VALUES: usize = 1;
+/// Numbers that must lie in their ranges.
+pub const NUMBERS: usize = 3;
 /// Positions by coordinate name.
 pub mod coordinate {
     /// `index.ab`.
@@ -400,6 +402,14 @@ pub fn layout() -> Layout {
             has_rest : false, is_prescribed : false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
+        requirements: vec![
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "grasp.hdl:37".into(), least : 0.0, most : f64::INFINITY, },
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "grasp.hdl:37".into(), least : 0.0, most : f64::INFINITY, },
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "grasp.hdl:37".into(), least : 0.0, most : f64::INFINITY, }
+        ],
         rows: vec![
             ConstraintRow { name : "index_pin.x".into() }, ConstraintRow { name :
             "index_pin.y".into() }, ConstraintRow { name : "index_pin.z".into() },

@@ -3,7 +3,8 @@
 //! Names, counts and indices of the model.
 
 use handc_core::layout::{
-    Block, Coordinate, CoordinateKind, Follow, Layout, Quantity, ScenarioLayout, Strand,
+    Block, Coordinate, CoordinateKind, Follow, Layout, Quantity, Requirement,
+    ScenarioLayout, Strand,
 };
 
 /// Number of coordinates.
@@ -30,6 +31,8 @@ pub const ARMS: usize = 460;
 pub const POSES: usize = 612;
 /// Numbers that follow from parameters.
 pub const VALUES: usize = 0;
+/// Numbers that must lie in their ranges.
+pub const NUMBERS: usize = 3;
 /// Positions by coordinate name.
 pub mod coordinate {
     /// `index.ab`.
@@ -335,6 +338,14 @@ pub fn layout() -> Layout {
             has_rest : false, is_prescribed : false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
+        requirements: vec![
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "hand.hdl:26".into(), least : 0.0, most : f64::INFINITY, },
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "hand.hdl:26".into(), least : 0.0, most : f64::INFINITY, },
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "hand.hdl:26".into(), least : 0.0, most : f64::INFINITY, }
+        ],
         rows: vec![],
         blocks: vec![
             Block { coordinates : vec![0, 1, 2, 3], rows : vec![], parts : vec![4],

@@ -60,6 +60,7 @@ pub fn layout() -> Layout {
         ],
         strands: vec![],
         wraps: vec![],
+        requirements: vec![],
         rows: vec![],
         blocks: vec![
             Block { coordinates : vec![0], rows : vec![], parts : vec![1], matrix_offset

@@ -3,8 +3,8 @@
 //! Names, counts and indices of the model.
 
 use handc_core::layout::{
-    Block, ConstraintRow, Coordinate, CoordinateKind, Layout, Quantity, ScenarioLayout,
-    Strand,
+    Block, ConstraintRow, Coordinate, CoordinateKind, Layout, Quantity, Requirement,
+    ScenarioLayout, Strand,
 };
 
 /// Number of coordinates.
@@ -31,6 +31,8 @@ pub const ARMS: usize = 7;
 pub const POSES: usize = 144;
 /// Numbers that follow from parameters.
 pub const VALUES: usize = 0;
+/// Numbers that must lie in their ranges.
+pub const NUMBERS: usize = 1;
 /// Positions by coordinate name.
 pub mod coordinate {
     /// `beta`.
@@ -142,6 +144,10 @@ pub fn layout() -> Layout {
             actuator : None, muscle : None, }
         ],
         wraps: vec![],
+        requirements: vec![
+            Requirement { text : "`stiffness` of a strand cannot be negative".into(),
+            source : "squeezer.hdl:73".into(), least : 0.0, most : f64::INFINITY, }
+        ],
         rows: vec![
             ConstraintRow { name : "loop3.x".into() }, ConstraintRow { name : "loop3.y"
             .into() }, ConstraintRow { name : "loop4.x".into() }, ConstraintRow { name :

@@ -2,7 +2,17 @@
 
 //! Start values and functions of time.
 
-use crate::layout::{COORDINATES, STRANDS, coordinate, strand};
+use crate::layout::{
+    COORDINATES, NUMBERS, PARAMETERS, STRANDS, coordinate, parameter, strand,
+};
+
+/// Numbers that must lie in their ranges when a run begins.
+///
+/// 0 operations.
+pub fn required_numbers(params: &[f64; PARAMETERS], numbers: &mut [f64; NUMBERS]) {
+    let c0 = params[parameter::C0];
+    numbers[0] = c0;
+}
 
 /// Coordinates and rates at the start.
 ///

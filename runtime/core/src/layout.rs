@@ -67,6 +67,19 @@ pub struct Muscle {
     pub has_start: bool,
 }
 
+/// A number that depends on parameters and must lie in a range when a run begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Requirement {
+    /// What must be.
+    pub text: String,
+    /// `file:line` where the number is written.
+    pub source: String,
+    /// Least value that is allowed.
+    pub least: f64,
+    /// Largest.
+    pub most: f64,
+}
+
 /// A surface that a strand wraps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wrap {
@@ -152,6 +165,8 @@ pub struct Layout {
     pub strands: Vec<Strand>,
     /// Surfaces that strands wrap, strand by strand.
     pub wraps: Vec<Wrap>,
+    /// Ranges of numbers that depend on parameters.
+    pub requirements: Vec<Requirement>,
     /// Constraint rows in declaration order.
     pub rows: Vec<ConstraintRow>,
     /// Blocks of the step equations.

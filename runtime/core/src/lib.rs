@@ -25,6 +25,7 @@ pub mod muscle;
 mod newton;
 pub mod passage;
 mod predict;
+mod requirement;
 pub mod runner;
 pub mod scalar;
 pub mod shape;

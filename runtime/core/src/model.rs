@@ -138,9 +138,8 @@ pub trait Model {
     /// Values of the scenario's records, in order.
     fn scenario_records(&mut self, scenario: usize, at: &Instant, values: &mut [f64]);
 
-    /// Numbers of every muscle that must be positive, muscle by muscle in the order of
-    /// [`muscle::NUMBERS`](crate::muscle::NUMBERS).
-    fn muscle_numbers(&mut self, _numbers: &mut [f64]) {}
+    /// The numbers that the layout's requirements are about, in their order.
+    fn required_numbers(&mut self, _numbers: &mut [f64]) {}
 
     /// Straight-line code for the linear systems of constrained blocks, in order of the blocks, as far
     /// as there is such code.

@@ -8,6 +8,7 @@ use crate::lookup::find_scenario;
 use crate::model::{Instant, Model, ScenarioValues};
 use crate::muscle;
 use crate::passage::{Blocked, blocked};
+use crate::requirement;
 use crate::start::{Kinetic, momentum, project};
 use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
@@ -85,6 +86,10 @@ impl<M: Model> Simulation<M> {
         }
         for (name, value) in &settings.set {
             model.set_param(find_param(&layout, name)?, *value);
+        }
+        if let Some(what) = requirement::broken(&mut model) {
+            let hint = "try: parameters within their range";
+            return Err(RunError::Start(format!("{what}\n  {hint}")));
         }
         let values = scenario.map(|s| model.scenario(s)).unwrap_or_default();
         let h = positive("step", settings.step.or(values.step))?;
@@ -211,9 +216,6 @@ impl<M: Model> Simulation<M> {
         };
         if layout.muscles().next().is_none() {
             return Ok(());
-        }
-        if let Some(what) = muscle::wrong_number(&mut self.model) {
-            return Err(fail(what));
         }
         for (_, muscle) in layout.muscles() {
             let a = muscle.activation;

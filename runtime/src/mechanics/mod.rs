@@ -126,6 +126,13 @@ impl<S: Scalar> Workspace<S> {
 }
 
 impl<S: Scalar> Mechanics<'_, S> {
+    /// The numbers of the mechanism's requirements.
+    pub fn required_numbers(&self, numbers: &mut [S]) {
+        for (slot, requirement) in numbers.iter_mut().zip(&self.mechanism.requirements) {
+            *slot = self.numbers.number(requirement.number);
+        }
+    }
+
     /// Momentum and force at a midpoint, and the Newton matrix where a step `h` is given.
     /// All outputs are overwritten.
     pub fn evaluate(

@@ -9,7 +9,6 @@ use super::{At, Mechanics, Terms, Workspace};
 use crate::expression::{StrandQuantity, StrandState};
 use crate::mechanism::Muscle;
 use handc_core::internal::RATE;
-use handc_core::muscle::NUMBERS;
 use handc_core::scalar::Scalar;
 
 impl<S: Scalar> Mechanics<'_, S> {
@@ -75,29 +74,5 @@ impl<S: Scalar> Mechanics<'_, S> {
         state[StrandQuantity::FibreForce as usize] = fibres.pull;
         state[StrandQuantity::FibrePower as usize] = fibres.power;
         state[StrandQuantity::Dissipation as usize] += fibres.dissipation;
-    }
-}
-
-impl<S: Scalar> Mechanics<'_, S> {
-    /// Numbers of every muscle that must be positive, in the order of
-    /// [`handc_core::muscle::NUMBERS`].
-    pub fn muscle_numbers(&self, numbers: &mut [S]) {
-        let muscles = self.mechanism.strands.iter().filter_map(|strand| strand.muscle());
-        for (muscle, own) in muscles.zip(numbers.chunks_mut(NUMBERS.len())) {
-            let number = |n| self.numbers.number(n);
-            own.copy_from_slice(&[
-                number(muscle.max_force),
-                number(muscle.optimal_fibre),
-                number(muscle.tendon_slack),
-                S::constant(std::f64::consts::FRAC_PI_2) - number(muscle.pennation).abs(),
-                number(muscle.max_velocity),
-                number(muscle.tendon_strain),
-                number(muscle.passive_strain),
-                number(muscle.eccentric_force) - S::one(),
-                number(muscle.fibre_damping),
-                number(muscle.activation_time),
-                number(muscle.deactivation_time),
-            ]);
-        }
     }
 }

@@ -182,12 +182,12 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             &[("q", input()), ("clearances", output())],
         )
     });
-    let has_numbers = functions.iter().any(|placed| placed.emitted.name == "muscle_numbers");
-    let muscle_numbers = has_numbers.then(|| {
+    let has_numbers = functions.iter().any(|placed| placed.emitted.name == "required_numbers");
+    let required_numbers = has_numbers.then(|| {
         make(
-            "muscle_numbers",
-            "muscle_numbers",
-            &|m| m == Module::Strands,
+            "required_numbers",
+            "required_numbers",
+            &|m| m == Module::Time,
             vec![write("numbers", "numbers")],
             &[("numbers", output())],
         )
@@ -222,7 +222,7 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             #(#methods)*
             #commands
             #clearances
-            #muscle_numbers
+            #required_numbers
             #potential
             #scenario_values
             #scenarios

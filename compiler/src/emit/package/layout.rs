@@ -33,6 +33,7 @@ pub(super) fn module(layout: &Layout, names: &Names) -> TokenStream {
         "Layout",
         "Muscle",
         "Quantity",
+        "Requirement",
         "ScenarioLayout",
         "Strand",
         "Wrap",
@@ -55,7 +56,7 @@ fn size_doc(name: &str) -> &'static str {
         "MATRIX" => "Numbers in a packed Newton or mass matrix.",
         "JACOBIAN" => "Numbers in a packed constraint Jacobian.",
         "ARMS" => "Numbers in a matrix of moment arms.",
-        "NUMBERS" => "Numbers of muscles that must be positive.",
+        "NUMBERS" => "Numbers that must lie in their ranges.",
         "CLEARANCES" => "Numbers that tell how passable surfaces are.",
         "POSES" => "Numbers in the poses of all frames.",
         _ => "Numbers that follow from parameters.",
@@ -174,6 +175,16 @@ fn data(layout: &Layout) -> TokenStream {
         let (strand, surface) = (integer(wrap.strand), &wrap.surface);
         quote!(Wrap { strand: #strand, surface: #surface.into() })
     });
+    let requirements = layout.requirements.iter().map(|r| {
+        let (text, source) = (&r.text, &r.source);
+        let (least, most) = (number(r.least), number(r.most));
+        quote!(Requirement {
+            text: #text.into(),
+            source: #source.into(),
+            least: #least,
+            most: #most,
+        })
+    });
     let rows = layout.rows.iter().map(|r| {
         let name = &r.name;
         quote!(ConstraintRow { name: #name.into() })
@@ -191,6 +202,7 @@ fn data(layout: &Layout) -> TokenStream {
                 coordinates: vec![#(#coordinates),*],
                 strands: vec![#(#strands),*],
                 wraps: vec![#(#wraps),*],
+                requirements: vec![#(#requirements),*],
                 rows: vec![#(#rows),*],
                 blocks: vec![#(#blocks),*],
                 scenarios: vec![#(#scenarios),*],

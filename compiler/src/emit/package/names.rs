@@ -7,7 +7,6 @@ use crate::emit::print::identifier;
 use crate::graph::{Leaf, SystemArray};
 use crate::stage::{Staged, parts};
 use handc_core::layout::Layout;
-use handc_core::muscle::NUMBERS;
 use handc_core::passage::CLEARANCES;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -203,9 +202,8 @@ impl Names {
         if !layout.wraps.is_empty() {
             sizes.push(("CLEARANCES", CLEARANCES * layout.wraps.len()));
         }
-        let muscles = layout.muscles().count();
-        if muscles > 0 {
-            sizes.push(("NUMBERS", NUMBERS.len() * muscles));
+        if !layout.requirements.is_empty() {
+            sizes.push(("NUMBERS", layout.requirements.len()));
         }
         Names { sizes, ..names }
     }
