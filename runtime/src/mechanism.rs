@@ -543,7 +543,8 @@ pub struct Scenario {
 }
 
 /// A number that depends on parameters and must lie in a range when a run begins.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Requirement {
     /// What must be.
     pub text: String,

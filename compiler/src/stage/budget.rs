@@ -28,9 +28,9 @@ pub enum Group {
     Constraints,
     /// Linear systems of constrained blocks; without equations there are none.
     Systems,
-    /// Commands, passage and muscles of strands.
+    /// Commands to strands, and whether they can pass their surfaces.
     Strands,
-    /// Start, inputs, natural lengths and drives of the model itself.
+    /// Start, inputs, natural lengths and drives of the model itself, and numbers that must be in range.
     Time,
     /// Inputs, drives and records of scenarios.
     Scenarios,

@@ -29,16 +29,15 @@ fn methods_of(group: Group) -> &'static [(&'static str, &'static [&'static str])
             ("constraints", &["q", "t", "rest", "rows"]),
             ("constraint_jacobian", &["q", "t", "jacobian"]),
         ],
-        Group::Strands => &[
-            ("commands", &["at", "tensions"]),
-            ("clearances", &["q", "clearances"]),
-            ("muscle_numbers", &["numbers"]),
-        ],
+        Group::Strands => {
+            &[("commands", &["at", "tensions"]), ("clearances", &["q", "clearances"])]
+        }
         Group::Time => &[
             ("inputs", &["t", "values"]),
             ("rests", &["t", "inputs", "lengths"]),
             ("drives", &["t", "path"]),
             ("start", &["path", "rates"]),
+            ("required_numbers", &["numbers"]),
         ],
         Group::Scenarios => &[
             ("scenario_inputs", &["scenario", "t", "values"]),
