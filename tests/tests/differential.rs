@@ -18,7 +18,7 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 /// Random models that must run, and seeds that are tried for them.
-const WANTED: usize = 30;
+const WANTED: usize = 210;
 const SEEDS: u64 = 600;
 
 /// One random model of so many is compiled with tables too.

@@ -92,18 +92,19 @@ pub use time::scenario_numbers;
 pub fn stage(mechanism: &Mechanism, structure: &Structure, budget: usize) -> Staged {
     let symbols = Symbols::new(mechanism, structure);
     labels::prepare(mechanism, &symbols);
+    let is_hopeless = budget::is_hopeless(cost::operations(mechanism, structure), budget);
+    let parts = (!is_hopeless).then(|| kernels::parts(&symbols));
     let of_model = kernels::tasks(&symbols);
     let mut without = BTreeSet::new();
     let (mut systems, mut shapes, mut tasks) = (Vec::new(), Vec::new(), Vec::new());
-    if budget::is_hopeless(cost::operations(mechanism, structure), budget) {
-        without.insert(Group::Equations);
-    } else {
-        let parts = kernels::parts(&symbols);
+    if let Some(parts) = parts {
         let all: Vec<Task> = parts.iter().chain(&of_model).cloned().collect();
         let (own, of_systems) = systems::systems(structure, &all);
         (shapes, tasks) = like_parts(mechanism, &symbols, &parts);
         tasks.extend(of_systems);
         systems = own;
+    } else {
+        without.insert(Group::Equations);
     }
     tasks.extend(of_model);
     tasks.extend(time::tasks(&symbols));
