@@ -56,7 +56,7 @@ fn model<M: Model + Clone + Send + Sync>(c: &mut Criterion, name: &str, model: M
         b.iter(|| asked.strand_lengths(black_box(&q), &mut lengths));
     });
 
-    let plan = Plan { instances: 16, threads: Some(1), spread: Vec::new() };
+    let plan = Plan { instances: 16, threads: Some(1), spread: Vec::new(), summary: None };
     let duration = Some(200.0 * h);
     let settings = Settings { duration, ..settings.clone() };
     let options = RunOptions { settings, out: None, every: 1, ensemble: Some(plan) };

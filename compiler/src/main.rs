@@ -280,6 +280,9 @@ struct Run {
     /// Spread a parameter (PARAM=LO:HI) or the start (start=SIGMA) over copies; may be repeated
     #[arg(long, value_name = "SPREAD", requires = "instances", value_parser = ensemble::Spread::parse)]
     spread: Vec<ensemble::Spread>,
+    /// Write mean, deviation and quantiles over the copies as CSV, every N-th step
+    #[arg(long, value_name = "F.csv", requires = "instances")]
+    summary: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -307,7 +310,7 @@ impl Posture {
 impl From<Choice> for Settings {
     fn from(choice: Choice) -> Settings {
         let Choice { scenario, set, step, duration } = choice;
-        Settings { scenario, set, step, duration, start_offset: Vec::new() }
+        Settings { scenario, set, step, duration, ..Settings::default() }
     }
 }
 
@@ -364,6 +367,7 @@ impl Run {
                 instances: instances as usize,
                 threads: self.threads.map(|t| t as usize),
                 spread: self.spread,
+                summary: self.summary,
             }),
         }
     }

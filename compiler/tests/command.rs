@@ -157,9 +157,22 @@ fn parameters_and_copies() {
     // ½(k₁ − k₀)q².
     assert!((energy("k=10") - energy("k=2") - 0.5 * 8.0 * 0.25).abs() < 1e-12);
     let spread = ["--instances", "4", "--threads", "2", "--spread", "k=1:3"];
-    let said = handc(&here, &[&["run", "swing.hdl", "--scenario", "one"], &spread[..]].concat());
+    let output = ["--out", "ends.csv", "--summary", "summary.csv", "--every", "20"];
+    let run = ["run", "swing.hdl", "--scenario", "one"];
+    let said = handc(&here, &[&run[..], &spread, &output].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(figures(&said), 400);
+    let (header, summary) = table(&here.read("summary.csv"));
+    let (ends_header, ends) = table(&here.read("ends.csv"));
+    assert_eq!((summary.len(), ends.len()), (6, 4));
+    // The last row of the summary is that of the copies' ends, which are in order of k.
+    let of = |what: &str| summary[5][header.split(',').position(|name| name == what).unwrap()];
+    let twice = ends_header.split(',').position(|name| name == "twice").unwrap();
+    let numbers: Vec<f64> = ends.iter().map(|row| row[twice]).collect();
+    assert!((of("twice.mean") - numbers.iter().sum::<f64>() / 4.0).abs() < 1e-15);
+    assert_eq!(of("twice.max"), numbers.iter().copied().fold(f64::MIN, f64::max));
+    assert!((of("twice.median") - 0.5 * (numbers[1] + numbers[2])).abs() < 1e-15);
+    assert_eq!((of("t"), of("instances")), (0.1, 4.0));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Drawing a sheet of panels: where each panel stands, its axes and its curves.
 
-use crate::canvas::{Anchor, Canvas, GREY, LIGHT, Place, Stroke, TextStyle};
+use crate::canvas::{Anchor, Canvas, Color, GREY, LIGHT, Place, Stroke, TextStyle};
 use crate::compose::{Panel, Row, Sheet, compose};
 use crate::decimate;
 use crate::font;
@@ -26,6 +26,8 @@ const HEADING: f64 = 12.0;
 pub(crate) const TIME: f64 = 24.0;
 /// Between rows.
 pub(crate) const GAP: f64 = 9.0;
+/// Most samples of a band's end.
+const BAND: usize = 600;
 /// Size of ticks' labels.
 const SMALL: f64 = 6.8;
 /// Size of axes' labels.
@@ -143,6 +145,13 @@ impl Sheet<'_> {
         let y = |v: f64| frame.bottom - panel.axis.fraction(v) * (frame.bottom - frame.top);
         vertical(canvas, panel, frame, labelled);
         horizontal(canvas, &time, timed.then_some(self.time_label.as_str()), frame);
+        for (k, ends) in panel.bands.iter().enumerate() {
+            let color = palette::pale(0, 0.82 - 0.2 * k as f64);
+            let place = |(t, value): (&f64, &f64)| {
+                [x(t * self.time_scale.factor), y(value * panel.scale.factor)]
+            };
+            band(canvas, color, ends.each_ref().map(|end| self.time.iter().zip(end).map(place)));
+        }
         let mut ends = Vec::new();
         for line in &panel.lines {
             let count = line.values.len().min(self.time.len());
@@ -171,6 +180,19 @@ impl Sheet<'_> {
         };
         Axis::new(low, high, (width / 34.0).clamp(2.0, 12.0) as usize, false)
     }
+}
+
+/// Fills the room between two curves; what is not finite is left out.
+fn band(canvas: &mut dyn Canvas, color: Color, ends: [impl Iterator<Item = Place>; 2]) {
+    let [low, high] = ends.map(|end| {
+        let all: Vec<Place> = end.filter(|at| drawable(at[1])).collect();
+        let last = all.last().copied();
+        let mut some: Vec<Place> = all.iter().copied().step_by(all.len() / BAND + 1).collect();
+        some.extend(last.filter(|last| some.last() != Some(last)));
+        some
+    });
+    let outline: Vec<Place> = low.into_iter().chain(high.into_iter().rev()).collect();
+    canvas.polygon(&outline, color, None);
 }
 
 /// A curve through samples that `place` puts on paper.

@@ -33,6 +33,8 @@ pub(crate) struct Panel<'a> {
     pub(crate) scale: Scale,
     pub(crate) axis: Axis,
     pub(crate) lines: Vec<Line<'a>>,
+    /// Ranges about the first line, widest first.
+    pub(crate) bands: &'a [[Vec<f64>; 2]],
 }
 
 impl Panel<'_> {
@@ -162,6 +164,7 @@ fn shared_row<'a>(quantity: &'a Quantity, groups: &[Group], columns: &[String]) 
             scale: scale.clone(),
             axis: axis.clone(),
             lines: groups[at].curves.iter().zip(&styles[at]).map(line).collect(),
+            bands: &[],
         })
     };
     let panels = columns.iter().map(panel).collect();
@@ -181,12 +184,15 @@ fn lone_panel<'a>(quantity: &'a Quantity) -> Panel<'a> {
         label: label(quantity, &scale),
         axis,
         lines: lines.collect(),
+        bands: &quantity.bands,
         scale,
     }
 }
 
 fn axis(quantity: &Quantity) -> (Scale, Axis) {
-    axis_over(extent(quantity.curves.iter().flat_map(|c| &c.values)), &quantity.unit)
+    let curves = quantity.curves.iter().flat_map(|c| &c.values);
+    let bands = quantity.bands.iter().flatten().flatten();
+    axis_over(extent(curves.chain(bands)), &quantity.unit)
 }
 
 /// The scale and the vertical axis for numbers of a range.

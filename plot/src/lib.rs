@@ -24,6 +24,7 @@ pub mod pose;
 mod pose_body;
 mod pose_layout;
 mod save;
+mod summary;
 pub mod svg;
 pub mod sweep;
 pub mod table;

@@ -26,6 +26,11 @@ pub(crate) fn color(index: usize) -> Color {
     COLORS[index % COLORS.len()]
 }
 
+/// The colour of curve `index`, `whiter` by this share.
+pub(crate) fn pale(index: usize, whiter: f64) -> Color {
+    color(index).map(|part| (f64::from(part) + whiter * (255.0 - f64::from(part))).round() as u8)
+}
+
 /// The line of curve `index`.
 pub(crate) fn stroke(index: usize) -> Stroke {
     Stroke { color: color(index), width: 0.8, dash: DASHES[index / 4 % DASHES.len()] }

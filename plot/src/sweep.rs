@@ -114,6 +114,7 @@ impl SweepPlot {
                 .map(|(style, values)| Line { label: String::new(), style: *style, values })
                 .collect(),
             scale,
+            bands: &[],
         };
         let sweep = &self.columns[column];
         let (across_scale, across) = across(sweep, frame.right - frame.left);

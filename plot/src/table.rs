@@ -1,5 +1,6 @@
 //! Reading a trajectory: CSV with a header, one row per instant.
 
+use crate::summary;
 use crate::timeplot::{Curve, Quantity, TimePlot, by_size, energy};
 use crate::unit::Unit;
 use std::io::BufRead;
@@ -102,6 +103,9 @@ impl Table {
     /// A figure of the table. Units of coordinates and records are not in a table, so their numbers
     /// are drawn as they stand.
     pub fn plot(self, title: &str) -> TimePlot {
+        if summary::is_summary(&self) {
+            return summary::plot(self, title);
+        }
         let mut columns = self.names.into_iter().zip(self.columns);
         let time = columns.next().map(|(_, values)| values).unwrap_or_default();
         let (mut coordinates, mut multipliers, mut records) = (Vec::new(), Vec::new(), Vec::new());

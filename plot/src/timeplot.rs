@@ -20,12 +20,14 @@ pub struct Quantity {
     pub unit: Unit,
     /// The curves.
     pub curves: Vec<Curve>,
+    /// Ranges about the first curve, widest first: lower and upper ends, a number per instant.
+    pub bands: Vec<[Vec<f64>; 2]>,
 }
 
 impl Quantity {
     /// A quantity of several curves.
     pub fn new(label: impl Into<String>, unit: Unit, curves: Vec<Curve>) -> Self {
-        Quantity { label: label.into(), unit, curves }
+        Quantity { label: label.into(), unit, curves, bands: Vec::new() }
     }
     /// A quantity of one curve that needs no name of its own.
     pub fn single(label: impl Into<String>, unit: Unit, values: Vec<f64>) -> Self {

@@ -1,6 +1,5 @@
 //! Natural lengths that follow a motion: the lengths of strands in a moving pose.
 
-use crate::lanes::{LaneConstants, LaneLengths};
 use crate::model::Model;
 use crate::motion::pose_at;
 
@@ -25,41 +24,21 @@ impl Followed {
         }
     }
 
-    /// Goes to time `t` of a motion; whether the pose has moved, so that it is to be measured.
+    /// Goes to time `t` of a motion and measures the pose there, unless it was measured already.
     pub(crate) fn move_to<M: Model>(
         &mut self,
-        model: &M,
+        model: &mut M,
         poses: &[Vec<f64>],
         knots: &[(usize, f64)],
         t: f64,
-    ) -> bool {
+    ) {
         pose_at(poses, knots, t, &mut self.next_pose);
         let rests = self.revision == Some(model.revision()) && self.pose == self.next_pose;
         if !rests {
             std::mem::swap(&mut self.pose, &mut self.next_pose);
             self.revision = Some(model.revision());
+            model.strand_lengths(&self.pose, &mut self.lengths);
         }
-        !rests
-    }
-
-    /// Measures the pose of one run.
-    pub(crate) fn measure<M: Model>(&mut self, model: &mut M) {
-        model.strand_lengths(&self.pose, &mut self.lengths);
-    }
-
-    /// Measures the poses of several runs on lanes; a length that is not a number has stayed
-    /// unmeasured, since its strand spans no block or there are no lanes.
-    pub(crate) fn measure_on_lanes<M: Model, const R: usize>(
-        followed: &mut [Followed; R],
-        models: [&M; R],
-        constants: &mut LaneConstants,
-    ) {
-        let stamps = models.map(Model::revision);
-        let mut runs = followed.each_mut().map(|Followed { pose, lengths, .. }| {
-            lengths.fill(f64::NAN);
-            (&pose[..], &mut lengths[..])
-        });
-        M::on_lanes(&models, &mut LaneLengths::new(&mut runs, &stamps, constants));
     }
 
     /// Lengths of strands in the measured pose.

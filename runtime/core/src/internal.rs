@@ -19,17 +19,18 @@
 //! increment. Both are exact to first order, which is enough for two steps, and have the same factor
 //! on δ as the others, so that one Newton matrix serves all.
 
-use crate::step::State;
+use crate::lane::Lane;
 
 /// Factor of δ/h in the rate of an internal variable.
 pub const RATE: f64 = 0.75;
 
-/// What past steps add to the rate of internal variable `c`.
-pub(crate) fn past(state: &State, c: usize, h: f64) -> f64 {
-    let last = state.last_increment(c) / h;
-    match state.step {
-        0 => 0.25 * state.v[c],
-        1 => -0.5 * last,
-        _ => -0.25 * last,
+/// What past steps add to the rate of an internal variable in step number `step` (from zero), after
+/// the increment `last` with the rate `v`.
+#[inline(always)]
+pub(crate) fn past<L: Lane>(step: usize, last: L, v: L, h: L) -> L {
+    match step {
+        0 => L::splat(0.25) * v,
+        1 => L::splat(-0.5) * last / h,
+        _ => L::splat(-0.25) * last / h,
     }
 }

@@ -30,6 +30,12 @@ pub fn find_param(layout: &Layout, name: &str) -> Result<usize, RunError> {
     find_name(&layout.name, "parameter", name, layout.params.iter().map(|p| p.name.as_str()))
 }
 
+/// Index of a coordinate by name.
+pub fn find_coordinate(layout: &Layout, name: &str) -> Result<usize, RunError> {
+    let known = layout.coordinates.iter().map(|c| c.name.as_str());
+    find_name(&layout.name, "coordinate", name, known)
+}
+
 /// Index of a name among the known ones of a model; the error suggests the one that may be meant.
 pub fn find_name<'a>(
     model: &str,

@@ -1,21 +1,46 @@
 //! Motions: poses joined by half-cosines.
 
+/// The part of a motion in which a time lies: between two knots, before the first or after the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Part {
+    /// Poses at its beginning and its end, by index; equal where it rests.
+    pub(crate) poses: [usize; 2],
+    /// From when on, and until before when (s).
+    pub(crate) times: [f64; 2],
+}
+
+impl Part {
+    /// The part of a motion through `knots` (pose index, time) at time `t`; `None` without knots.
+    pub(crate) fn at(knots: &[(usize, f64)], t: f64) -> Option<Part> {
+        let (&(first, begin), &(last, end)) = (knots.first()?, knots.last()?);
+        Some(match knots.iter().position(|&(_, time)| t < time) {
+            None => Part { poses: [last; 2], times: [end, f64::INFINITY] },
+            Some(0) => Part { poses: [first; 2], times: [f64::NEG_INFINITY, begin] },
+            Some(after) => {
+                let ((from, t0), (to, t1)) = (knots[after - 1], knots[after]);
+                Part { poses: [from, to], times: [t0, t1] }
+            }
+        })
+    }
+
+    /// Whether the pose stays.
+    pub(crate) fn rests(&self) -> bool {
+        self.poses[0] == self.poses[1]
+    }
+}
+
 /// The pose at time `t` of a motion through `knots` (pose index, time), each pose a full
 /// configuration: constant before the first knot and after the last, half-cosine between.
 pub fn pose_at(poses: &[Vec<f64>], knots: &[(usize, f64)], t: f64, q: &mut [f64]) {
-    let Some(&(last, end)) = knots.last() else { return };
-    if t >= end {
-        q.copy_from_slice(&poses[last]);
+    let Some(part) = Part::at(knots, t) else { return };
+    let [from, to] = part.poses.map(|pose| &poses[pose]);
+    if part.rests() {
+        q.copy_from_slice(from);
         return;
     }
-    let after = knots.iter().position(|&(_, time)| t < time).unwrap_or(0);
-    if after == 0 {
-        q.copy_from_slice(&poses[knots[0].0]);
-        return;
-    }
-    let ((from, t0), (to, t1)) = (knots[after - 1], knots[after]);
+    let [t0, t1] = part.times;
     let weight = 0.5 * (1.0 - (std::f64::consts::PI * (t - t0) / (t1 - t0)).cos());
-    for (q, (a, b)) in q.iter_mut().zip(poses[from].iter().zip(&poses[to])) {
+    for (q, (a, b)) in q.iter_mut().zip(from.iter().zip(to)) {
         *q = a + (b - a) * weight;
     }
 }

@@ -4,16 +4,27 @@
 //! It is the method of [`crate::step`] without its last resorts: lanes go on together until each
 //! has converged, a lane that is done is held still, and if any lane needs a shorter step, another
 //! guess or pivoting, the step is given back to be taken there.
+//!
+//! The matrix is inverted, not factored: a product with an inverse has no chain of divisions and
+//! differences to wait for, and an inverse can learn. It is kept from step to step, learns from every
+//! correction what the matrix has become ([`Secant`]), and is made anew when it has cost as much.
+//!
+//! A step may end with a correction that is not evaluated. What it does to the force is then known
+//! from the equation itself: of the residual that it takes away, what does not change the momentum
+//! changes the impulse. How wrong that has been for the correction before tells whether it will do.
 
 use crate::internal::RATE;
-use crate::lane::Lane;
+use crate::lane::{Lane, load, store};
 use crate::shape::{Local, Shape};
-use crate::step::{FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
+use crate::step::{BALANCE, FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
 
 /// Evaluations of the Newton matrix before the step is given back.
 const MATRICES: usize = 6;
-/// Corrections with the same factors.
-const CORRECTIONS: usize = 6;
+/// Evaluations before the step is given back.
+const PASSES: usize = 24;
+/// Residuals above this many units of tolerance are heard above rounding: what a correction does to
+/// them tells of the matrix.
+const AUDIBLE: f64 = 1e3;
 /// A pivot below this part of its row's largest entry wants pivoting.
 const SMALL_PIVOT: f64 = 1e-6;
 
@@ -35,10 +46,22 @@ pub(crate) struct Start<L, const N: usize, const Q: usize, const S: usize, const
     pub(crate) inputs: [L; U],
     /// Least size of each coordinate for tolerances (1 rad or the model's length).
     pub(crate) size: [L; N],
+    /// 1 over it.
+    pub(crate) per_size: [L; N],
     /// What past steps add to the rates of internal coordinates.
     pub(crate) past: [L; N],
     /// Relative tolerance on momenta.
     pub(crate) tolerance: L,
+}
+
+/// Which equations are of static equilibrium, where their tolerance is wider and remembers how stiff
+/// they have been; see [`crate::step`].
+#[derive(Clone, Copy)]
+pub(crate) struct Balances<L, const N: usize> {
+    /// 1 where it is one, else 0.
+    pub(crate) is: [L; N],
+    /// The largest sensitivity so far; zero for others.
+    pub(crate) stiffest: [L; N],
 }
 
 /// Where it ends.
@@ -49,6 +72,8 @@ pub(crate) struct End<L, const N: usize, const Q: usize> {
     pub(crate) force: [L; N],
     /// Newton iterations.
     pub(crate) iterations: usize,
+    /// Matrices that were evaluated.
+    pub(crate) matrices: usize,
     /// Lanes that have not converged, as bits.
     pub(crate) failed: u8,
 }
@@ -92,6 +117,18 @@ fn put_at<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usiz
 }
 
 impl<L: Lane, const N: usize> Residual<L, N> {
+    /// Half the step's impulse (h/2)f after a correction that leaves no residual: what the correction
+    /// takes from the residual and not from the momentum, which changes by the mass matrix over h.
+    #[inline(always)]
+    fn foretell(&self, correction: &[L; N], mass: &[f64], half_h: L, per_h: L) -> [L; N] {
+        let mut impulse = multiply::<L, N>(mass, correction);
+        for i in 0..N {
+            let taken = per_h.mul_add(impulse[i], self.r[i]);
+            impulse[i] = half_h.mul_sub(self.force[i], taken);
+        }
+        impulse
+    }
+
     /// Makes the residual of momentum and force.
     #[inline(always)]
     fn balance<const Q: usize, const S: usize, const U: usize>(
@@ -103,6 +140,21 @@ impl<L: Lane, const N: usize> Residual<L, N> {
             self.r[i] = start.p[i] + half_h.mul_sub(self.force[i], self.momentum[i]);
         }
     }
+}
+
+/// The inverse of the Newton matrix that is kept from step to step, and what goes with it.
+///
+/// Matrices stay in memory, the lanes of one entry side by side: copies would cost as much as what is
+/// done with them.
+pub(crate) struct Kept<'v> {
+    /// The inverse, by rows.
+    pub(crate) inverse: &'v mut [f64],
+    /// The mass matrix, by rows.
+    pub(crate) mass: &'v mut [f64],
+    /// Σ|Jᵢⱼ|·size(j) of each row of the Newton matrix.
+    pub(crate) sensitivity: &'v mut [f64],
+    /// Whether it is there and is to be tried.
+    pub(crate) serves: bool,
 }
 
 /// Takes the step in every lane.
@@ -118,6 +170,8 @@ pub(crate) fn newton<
 >(
     start: &Start<L, N, Q, S, U>,
     constants: &[f64],
+    kept: &mut Kept,
+    balances: &mut Option<Balances<L, N>>,
 ) -> End<L, N, Q> {
     let zero = L::splat(0.0);
     let per_h = L::splat(1.0) / start.h;
@@ -130,84 +184,135 @@ pub(crate) fn newton<
         rest: start.rest,
         inputs: start.inputs,
     };
-    let mut end = End { delta: start.delta, force: [zero; N], iterations: 0, failed: L::ALL };
+    let mut end =
+        End { delta: start.delta, force: [zero; N], iterations: 0, matrices: 0, failed: L::ALL };
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
+    let mut per_scale = [zero; N];
+    // Half the step's impulse as the last correction foretold it.
+    let mut foretold = [zero; N];
+    let mut correction = [zero; N];
+    let mut before = L::splat(f64::INFINITY);
     let mut done = 0;
-    for _ in 0..MATRICES {
-        let mut matrix = [zero; M];
+    // Whether the matrix is evaluated too, and whether a correction led here.
+    let (mut renews, mut is_corrected) = (!kept.serves, false);
+    for pass in 0..PASSES {
         put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
-        Sh::evaluate_with_matrix(&local, constants, &mut at.momentum, &mut at.force, &mut matrix);
+        let mut good = L::ALL;
+        if renews {
+            if end.matrices == MATRICES {
+                break;
+            }
+            end.matrices += 1;
+            let mut matrix = [zero; M];
+            let (momentum, force) = (&mut at.momentum, &mut at.force);
+            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut matrix);
+            store(&sensitivities(start, &matrix, balances), kept.sensitivity);
+            good = invert::<L, N, M>(&mut matrix);
+            store(&matrix, kept.inverse);
+            let mut mass = [zero; M];
+            Sh::mass_matrix(&local.q, constants, &mut mass);
+            store(&mass, kept.mass);
+        } else {
+            Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
+        }
         at.balance(start, half_h);
-        let per_scale = per_scales(start, &at, half_h, &matrix);
-        let (mut before, finite) = merit(&at.r, &per_scale);
-        let converged = before.less_equal(L::splat(1.0)) & finite & !done;
+        if renews || pass == 0 {
+            per_scale = per_scales(start, &at, half_h, &load(kept.sensitivity));
+        }
+        let (merit, finite) = merit(&at.r, &per_scale);
+        let converged = merit.less_equal(L::splat(1.0)) & finite & !done;
         hold(converged, &at.force, &mut end.force);
         done |= converged;
         if done == L::ALL {
+            kept.serves = good == L::ALL;
+            end.failed = 0;
+            return end;
+        }
+        if good | done != L::ALL {
             break;
         }
-        if (finite | done) & factor::<L, N, M>(&mut matrix) != L::ALL {
-            break;
-        }
-        for _ in 0..CORRECTIONS {
-            end.iterations += 1;
-            let correction = solve::<L, N, M>(&matrix, &at.r);
+        let mut next = multiply::<L, N>(kept.inverse, &at.r);
+        if is_corrected {
+            let secant = Secant::new(&correction, &next, start);
+            // What the correction did is told to the inverse, unless rounding did it.
+            let told = L::splat(AUDIBLE).less(before) & secant.is_sound() & finite & !done;
             for i in 0..N {
-                end.delta[i] = L::choose(done, end.delta[i], end.delta[i] - correction[i]);
+                next[i] = L::choose(told, secant.stretch * next[i], next[i]);
             }
-            let force_before = at.force;
-            put_at(&mut local, start, &end.delta, per_h, Sh::INTERNAL);
-            Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
-            at.balance(start, half_h);
-            let (next, finite) = merit(&at.r, &per_scale);
-            // How far the correction moved the half step's impulse: the next one would move it by
-            // as much less as the residual has fallen.
-            let mut moved = zero;
+            // How far the half step's impulse was foretold wrongly: the next time it will be by as
+            // much less as the residual has fallen.
+            let mut missed = zero;
             for i in 0..N {
-                let change = half_h * (at.force[i] - force_before[i]);
-                moved = moved.max(change.abs() * per_scale[i]);
+                let off = half_h.mul_sub(at.force[i], foretold[i]);
+                missed = missed.max(off.abs() * per_scale[i]);
             }
-            let left = moved.max(next) * next;
-            let converged = next.less_equal(L::splat(1.0)) & finite & !done;
-            let linear = left.less_equal(L::splat(LINEAR_END) * before) & finite;
-            let linear = linear & !converged & !done;
+            foretold = at.foretell(&next, kept.mass, half_h, per_h);
+            let left = missed.max(merit) * merit;
+            let linear = left.less_equal(L::splat(LINEAR_END) * before) & finite & !done;
             if linear != 0 {
                 end.iterations += 1;
-                let last = solve::<L, N, M>(&matrix, &at.r);
                 for i in 0..N {
-                    end.delta[i] = L::choose(linear, end.delta[i] - last[i], end.delta[i]);
+                    end.delta[i] = L::choose(linear, end.delta[i] - next[i], end.delta[i]);
+                    let force = foretold[i] * (per_h + per_h);
+                    end.force[i] = L::choose(linear, force, end.force[i]);
                 }
             }
-            let mut over = converged | linear;
-            if (done | over) != L::ALL {
+            done |= linear;
+            if done != L::ALL {
                 // The residual hardly falls and the correction is rounding: the floor.
                 let mut largest = zero;
                 for i in 0..N {
                     let size = start.q[i].abs().max(start.size[i]);
                     largest = largest.max(correction[i].abs() / size);
                 }
-                let stagnant = (L::splat(0.1) * before).less(next)
+                let stagnant = (L::splat(0.1) * before).less(merit)
                     & largest.less_equal(L::splat(STAGNATION))
                     & finite;
-                over |= stagnant & !done;
+                let stagnant = stagnant & !done;
+                hold(stagnant, &at.force, &mut end.force);
+                done |= stagnant;
             }
-            hold(over, &at.force, &mut end.force);
-            done |= over;
+            let falls = (merit.less(before) & finite) | done;
+            if falls != L::ALL {
+                if end.matrices > 0 {
+                    break;
+                }
+                // The inverse is too old: back, and a new one.
+                for i in 0..N {
+                    end.delta[i] = L::choose(falls, end.delta[i], end.delta[i] + correction[i]);
+                }
+                (renews, is_corrected) = (true, false);
+                continue;
+            }
+            if told & !done != 0 {
+                secant.teach(told & !done, kept.inverse, &next);
+            }
             if done == L::ALL {
+                kept.serves = true;
                 end.failed = 0;
                 return end;
             }
-            if (next.less(before) & finite) | done != L::ALL {
-                end.failed = !done & L::ALL;
-                return end;
+            // Fast enough, or but one more to go.
+            let fast = merit.less(L::splat(KEEP_FACTORS) * before)
+                | (merit * merit).less_equal(before)
+                | done;
+            if fast != L::ALL {
+                (renews, is_corrected) = (true, false);
+                continue;
             }
-            let fast = next.less(L::splat(KEEP_FACTORS) * before);
-            before = next;
-            if fast | done != L::ALL {
-                break;
-            }
+        } else if finite | done != L::ALL {
+            break;
+        } else {
+            foretold = at.foretell(&next, kept.mass, half_h, per_h);
         }
+        end.iterations += 1;
+        for i in 0..N {
+            end.delta[i] = L::choose(done, end.delta[i], end.delta[i] - next[i]);
+        }
+        (correction, before) = (next, merit);
+        (renews, is_corrected) = (false, true);
     }
+    kept.serves = false;
     end.failed = !done & L::ALL;
     end
 }
@@ -220,9 +325,72 @@ fn hold<L: Lane, const N: usize>(bits: u8, force: &[L; N], kept: &mut [L; N]) {
     }
 }
 
-/// 1 over the tolerance of each equation; see [`crate::step`].
+/// What a correction tells of the matrix: Broyden's rank-one update of the inverse (Broyden 1965, the
+/// first of his methods), which maps the change of the residual to the correction that made it.
+///
+/// With the correction c, the next one d = J⁻¹r and weights w that make coordinates comparable,
+/// J⁻¹ + d·(w∘c)ᵀJ⁻¹/(cᵀwc − cᵀwd) is the inverse after the update, and d·cᵀwc/(cᵀwc − cᵀwd) what it
+/// makes of the residual.
+struct Secant<L, const N: usize> {
+    /// w∘c.
+    weighted: [L; N],
+    /// By which the update stretches the next correction.
+    stretch: L,
+    /// 1/cᵀwc.
+    per_square: L,
+}
+
+impl<L: Lane, const N: usize> Secant<L, N> {
+    #[inline(always)]
+    fn new<const Q: usize, const S: usize, const U: usize>(
+        correction: &[L; N],
+        next: &[L; N],
+        start: &Start<L, N, Q, S, U>,
+    ) -> Self {
+        let mut weighted = *correction;
+        let (mut square, mut along) = (L::splat(0.0), L::splat(0.0));
+        for i in 0..N {
+            weighted[i] = correction[i] * start.per_size[i] * start.per_size[i];
+            square = weighted[i].mul_add(correction[i], square);
+            along = weighted[i].mul_add(next[i], along);
+        }
+        let per_square = L::splat(1.0) / square;
+        let left = along.neg_mul_add(per_square, L::splat(1.0));
+        Secant { weighted, stretch: L::splat(1.0) / left, per_square }
+    }
+
+    /// Lanes in which the update changes the inverse little.
+    #[inline(always)]
+    fn is_sound(&self) -> u8 {
+        self.stretch.less(L::splat(2.0)) & L::splat(0.5).less(self.stretch)
+    }
+
+    /// Updates the inverse in the lanes whose bits are set; `next` has been stretched.
+    #[inline(always)]
+    fn teach(&self, bits: u8, inverse: &mut [f64], next: &[L; N]) {
+        let inverse = &mut inverse[..N * N * L::WIDTH];
+        let zero = L::splat(0.0);
+        let mut row = [zero; N];
+        for i in 0..N {
+            let factor = L::choose(bits, self.weighted[i] * self.per_square, zero);
+            for j in 0..N {
+                row[j] = factor.mul_add(L::load(&inverse[(i * N + j) * L::WIDTH..]), row[j]);
+            }
+        }
+        for i in 0..N {
+            let next = L::choose(bits, next[i], zero);
+            for j in 0..N {
+                let entry = &mut inverse[(i * N + j) * L::WIDTH..];
+                next.mul_add(row[j], L::load(entry)).store(entry);
+            }
+        }
+    }
+}
+
+/// What rounding of the coordinates does to each equation: Σ|Jᵢⱼ|·size(j), with a wider bound for
+/// static equilibria; see [`crate::step`].
 #[inline(always)]
-fn per_scales<
+fn sensitivities<
     L: Lane,
     const N: usize,
     const M: usize,
@@ -231,35 +399,52 @@ fn per_scales<
     const U: usize,
 >(
     start: &Start<L, N, Q, S, U>,
-    at: &Residual<L, N>,
-    half_h: L,
     matrix: &[L; M],
+    balances: &mut Option<Balances<L, N>>,
 ) -> [L; N] {
-    let floor = L::splat(FLOOR);
     let mut size = start.size;
     for i in 0..N {
         size[i] = size[i].max(start.q[i].abs());
     }
-    let mut scales = size;
+    let mut sums = [L::splat(0.0); N];
+    for i in 0..N {
+        for j in 0..N {
+            sums[i] = matrix[i * N + j].abs().mul_add(size[j], sums[i]);
+        }
+    }
+    if let Some(balances) = balances {
+        for i in 0..N {
+            sums[i] = sums[i].max(balances.stiffest[i]);
+            balances.stiffest[i] = balances.is[i] * sums[i];
+            sums[i] = L::splat(BALANCE - 1.0).mul_add(balances.stiffest[i], sums[i]);
+        }
+    }
+    sums
+}
+
+/// 1 over the tolerance of each equation; see [`crate::step`].
+#[inline(always)]
+fn per_scales<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usize>(
+    start: &Start<L, N, Q, S, U>,
+    at: &Residual<L, N>,
+    half_h: L,
+    sensitivity: &[L; N],
+) -> [L; N] {
+    let mut scales = *sensitivity;
     for i in 0..N {
         let p = start.p[i].abs();
         let asked = p + at.momentum[i].abs() + (half_h * at.force[i]).abs();
-        let mut row = p;
-        let mut sum = L::splat(0.0);
-        for j in 0..N {
-            sum = matrix[i * N + j].abs().mul_add(size[j], sum);
-        }
-        row = row.max(sum);
-        let scale = (floor * row).max(start.tolerance * asked);
+        let floor = L::splat(FLOOR) * p.max(sensitivity[i]);
+        let scale = floor.max(start.tolerance * asked);
         scales[i] = L::splat(1.0) / scale.max(L::splat(f64::MIN_POSITIVE));
     }
     scales
 }
 
-/// Factors the matrix in place without pivoting, reciprocals of the pivots on the diagonal; returns
-/// the lanes where no pivot was small. The Newton matrix is a mass matrix but for terms in h.
+/// Inverts the matrix in place by Gauss and Jordan's method without pivoting; returns the lanes where
+/// no pivot was small. The Newton matrix is a mass matrix but for terms in h.
 #[inline(always)]
-fn factor<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) -> u8 {
+fn invert<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) -> u8 {
     let mut good = L::ALL;
     for k in 0..N {
         let mut largest = L::splat(0.0);
@@ -269,32 +454,91 @@ fn factor<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) -> u8 {
         let pivot = a[k * N + k];
         good &= (L::splat(SMALL_PIVOT) * largest).less(pivot.abs());
         let reciprocal = L::splat(1.0) / pivot;
-        a[k * N + k] = reciprocal;
-        for i in k + 1..N {
-            let factor = a[i * N + k] * reciprocal;
-            a[i * N + k] = factor;
-            for j in k + 1..N {
-                a[i * N + j] = factor.neg_mul_add(a[k * N + j], a[i * N + j]);
+        a[k * N + k] = L::splat(1.0);
+        for j in 0..N {
+            a[k * N + j] = a[k * N + j] * reciprocal;
+        }
+        for i in 0..N {
+            if i != k {
+                let factor = a[i * N + k];
+                a[i * N + k] = L::splat(0.0);
+                for j in 0..N {
+                    a[i * N + j] = factor.neg_mul_add(a[k * N + j], a[i * N + j]);
+                }
             }
         }
     }
     good
 }
 
-/// Solves with the factors.
+/// Matrix times vector.
 #[inline(always)]
-fn solve<L: Lane, const N: usize, const M: usize>(a: &[L; M], b: &[L; N]) -> [L; N] {
-    let mut x = *b;
+fn multiply<L: Lane, const N: usize>(a: &[f64], x: &[L; N]) -> [L; N] {
+    let a = &a[..N * N * L::WIDTH];
+    let mut product = [L::splat(0.0); N];
     for i in 0..N {
-        for j in 0..i {
-            x[i] = a[i * N + j].neg_mul_add(x[j], x[i]);
+        for j in 0..N {
+            product[i] = L::load(&a[(i * N + j) * L::WIDTH..]).mul_add(x[j], product[i]);
         }
     }
-    for i in (0..N).rev() {
-        for j in i + 1..N {
-            x[i] = a[i * N + j].neg_mul_add(x[j], x[i]);
+    product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MATRIX: [f64; 9] = [4.0, 1.0, -0.5, 0.8, 3.0, 0.2, -0.4, 0.3, 2.0];
+
+    #[test]
+    fn an_inverse_is_one() {
+        let mut inverse = MATRIX;
+        assert_eq!(invert::<f64, 3, 9>(&mut inverse), 1);
+        for i in 0..3 {
+            let column: [f64; 3] = std::array::from_fn(|k| inverse[k * 3 + i]);
+            let unit = multiply::<f64, 3>(&MATRIX, &column);
+            for (k, x) in unit.into_iter().enumerate() {
+                assert!((x - f64::from(u8::from(k == i))).abs() < 1e-15, "{unit:?}");
+            }
         }
-        x[i] = x[i] * a[i * N + i];
+        let mut singular = [1.0, 2.0, 2.0, 4.0];
+        assert_eq!(invert::<f64, 2, 4>(&mut singular), 0, "no pivot is left");
     }
-    x
+
+    #[test]
+    fn an_old_inverse_learns_what_corrections_tell() {
+        let mut inverse = MATRIX.map(|x| 1.1 * x);
+        invert::<f64, 3, 9>(&mut inverse);
+        let start = Start::<f64, 3, 3, 0, 0> {
+            q: [0.0; 3],
+            delta: [0.0; 3],
+            p: [0.0; 3],
+            t: 0.0,
+            h: 1.0,
+            rest: [],
+            inputs: [],
+            size: [1.0, 0.1, 1.0],
+            per_size: [1.0, 10.0, 1.0],
+            past: [0.0; 3],
+            tolerance: 0.0,
+        };
+        // The residual r = A·x − b, linear.
+        let mut r = [1.0, -2.0, 0.5];
+        let correction = multiply::<f64, 3>(&inverse, &r);
+        let change = multiply::<f64, 3>(&MATRIX, &correction);
+        for i in 0..3 {
+            r[i] -= change[i];
+        }
+        let mut next = multiply::<f64, 3>(&inverse, &r);
+        let secant = Secant::new(&correction, &next, &start);
+        assert_eq!(secant.is_sound(), 1);
+        next = next.map(|x| secant.stretch * x);
+        secant.teach(1, &mut inverse, &next);
+        let told = multiply::<f64, 3>(&inverse, &change);
+        let ahead = multiply::<f64, 3>(&inverse, &r);
+        for i in 0..3 {
+            assert!((told[i] - correction[i]).abs() < 1e-14, "the change leads to the correction");
+            assert!((ahead[i] - next[i]).abs() < 1e-14, "and the next one was stretched rightly");
+        }
+    }
 }

@@ -3,24 +3,28 @@
 //! A state keeps its last increment and that one's backward differences. The sum of the first k of
 //! them is the increment that the polynomial of degree k foretells, and the k-th is what it missed
 //! in the step before. The degree that has lately missed least foretells the next step: a smooth
-//! motion is foretold by the highest, a jerky one by the lowest.
+//! motion is foretold by the highest, a jerky one by the lowest. A run that steps number by number
+//! has one degree for all its coordinates, one on lanes one for every block.
 
 use crate::lane::sweep::{Sweep, sweep};
 use crate::lane::{Lane, WIDEST};
 
 /// Highest degree.
-pub(crate) const DEGREES: usize = 4;
+pub(crate) const DEGREES: usize = 5;
 
-/// Last increment and its backward differences, of which the first `step` mean something.
-pub(crate) type Differences = [Vec<f64>; DEGREES];
+/// How far a guess of each degree has lately missed: a fading sum of squares.
+pub(crate) type Missed = [f64; DEGREES];
+
+/// Last increments of all coordinates, then their backward differences, degree after degree; the
+/// first `step` of these mean something.
+pub(crate) type Differences = Vec<f64>;
 
 /// Which degree foretells best.
 #[derive(Clone, Debug)]
 pub(crate) struct Predictor {
     /// 1 over the size of each coordinate; 0 where driven.
     weight: Vec<f64>,
-    /// Fading sum of the squares by which a guess of each degree has missed.
-    missed: [f64; DEGREES],
+    pub(crate) missed: Missed,
 }
 
 impl Predictor {
@@ -32,8 +36,9 @@ impl Predictor {
 
     /// The increment of step number `step` (from zero, at least 2).
     pub(crate) fn guess(&self, step: usize, differences: &Differences, delta: &mut [f64]) {
-        let degree = self.best_degree(step);
-        sweep(delta.len(), &mut Guess { terms: &differences[..degree], delta });
+        let count = delta.len();
+        let differences = &differences[..self.best_degree(step) * count];
+        sweep(count, &mut Guess { differences, delta });
     }
 
     /// The degree that has foretold the last steps best; the quadratic until more is known.
@@ -53,23 +58,81 @@ impl Predictor {
             Learn { weight: &self.weight, delta, differences, missed: [0.0; DEGREES * WIDEST] };
         sweep(delta.len(), &mut learn);
         for (k, missed) in learn.missed.chunks_exact(WIDEST).enumerate().take(step) {
-            let faded = if k + 1 < step { 0.5 * self.missed[k] } else { 0.0 };
+            let faded = if k + 1 < step { FADING * self.missed[k] } else { 0.0 };
             self.missed[k] = missed.iter().sum::<f64>() + faded;
         }
     }
 }
 
+/// What is left of an earlier miss after a step.
+pub(crate) const FADING: f64 = 0.5;
+
+/// Takes the increment of one coordinate into its differences, which stand `stride` apart; returns
+/// the next differences, by which the guess of each degree has missed.
+#[inline(always)]
+pub(crate) fn shift<L: Lane>(increment: L, differences: &mut [f64], stride: usize) -> [L; DEGREES] {
+    let mut missed = [increment; DEGREES];
+    let mut difference = increment;
+    for k in 0..DEGREES {
+        let place = &mut differences[k * stride..];
+        let next = difference - L::load(place);
+        difference.store(place);
+        difference = next;
+        missed[k] = next;
+    }
+    missed
+}
+
+/// The increments of a step on lanes by the degree that is best in each lane, with `known`
+/// increments (at least 2) behind it; and how far that degree has lately missed.
+#[inline(always)]
+pub(crate) fn guess<L: Lane, const N: usize>(
+    known: usize,
+    differences: &[f64],
+    missed: &[f64],
+) -> ([L; N], L) {
+    let differences = &differences[..DEGREES * N * L::WIDTH];
+    let missed = &missed[..DEGREES * L::WIDTH];
+    let missed_by = |degree: usize| L::load(&missed[(degree - 1) * L::WIDTH..]);
+    // Lanes in which each degree is taken, as bits: the quadratic unless another is better.
+    let mut least = missed_by(2);
+    let mut taken = [0; DEGREES];
+    taken[1] = L::ALL;
+    for degree in 1..=DEGREES {
+        if degree != 2 && degree < known {
+            let better = missed_by(degree).less(least);
+            least = least.min(missed_by(degree));
+            for other in &mut taken {
+                *other &= !better;
+            }
+            taken[degree - 1] = better;
+        }
+    }
+    let mut sums = [L::splat(0.0); N];
+    let mut beyond = L::ALL;
+    for (k, bits) in taken.into_iter().enumerate() {
+        for i in 0..N {
+            let sum = sums[i] + L::load(&differences[(k * N + i) * L::WIDTH..]);
+            sums[i] = L::choose(beyond, sum, sums[i]);
+        }
+        beyond &= !bits;
+    }
+    (sums, least)
+}
+
 struct Guess<'a> {
-    terms: &'a [Vec<f64>],
+    differences: &'a [f64],
     delta: &'a mut [f64],
 }
 
 impl Sweep for Guess<'_> {
     #[inline(always)]
     fn at<L: Lane>(&mut self, i: usize) {
-        let mut sum = L::load(&self.terms[0][i..]);
-        for term in &self.terms[1..] {
-            sum = sum + L::load(&term[i..]);
+        let mut sum = L::load(&self.differences[i..]);
+        let mut next = i + self.delta.len();
+        while next < self.differences.len() {
+            sum = sum + L::load(&self.differences[next..]);
+            next += self.delta.len();
         }
         sum.store(&mut self.delta[i..]);
     }
@@ -86,13 +149,10 @@ impl Sweep for Learn<'_> {
     #[inline(always)]
     fn at<L: Lane>(&mut self, i: usize) {
         let weight = L::load(&self.weight[i..]);
-        let mut difference = L::load(&self.delta[i..]);
+        let (increment, stride) = (L::load(&self.delta[i..]), self.delta.len());
+        let next = shift(increment, &mut self.differences[i..], stride);
         for k in 0..DEGREES {
-            let place = &mut self.differences[k][i..];
-            let next = difference - L::load(place);
-            difference.store(place);
-            difference = next;
-            let (size, missed) = (next * weight, &mut self.missed[k * WIDEST..]);
+            let (size, missed) = (next[k] * weight, &mut self.missed[k * WIDEST..]);
             size.mul_add(size, L::load(missed)).store(missed);
         }
     }

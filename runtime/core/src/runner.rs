@@ -33,7 +33,8 @@ pub const OPTIONS: &str = "\
   --instances N         run N copies
   --threads T           on T threads (default: all cores)
   --spread PARAM=LO:HI  spread a parameter evenly over the copies; may be repeated
-  --spread start=SIGMA  spread the start normally (rad or m), by a fixed seed";
+  --spread start=SIGMA  spread the start normally (rad or m), by a fixed seed
+  --summary F.csv       write mean, deviation and quantiles over the copies, every N-th step";
 
 impl RunOptions {
     /// Reads options; an error says what is wrong with them.
@@ -41,6 +42,7 @@ impl RunOptions {
         let mut options = RunOptions { every: 1, ..RunOptions::default() };
         let mut instances = None;
         let mut threads = None;
+        let mut summary = None;
         let mut spread = Vec::new();
         let mut arguments = arguments.peekable();
         let mut given: Vec<String> = Vec::new();
@@ -72,6 +74,7 @@ impl RunOptions {
                 }
                 "--instances" => instances = Some(count("--instances", &value()?)?),
                 "--threads" => threads = Some(count("--threads", &value()?)?),
+                "--summary" => summary = Some(PathBuf::from(value()?)),
                 "--spread" => spread.push(ensemble::Spread::parse(&value()?)?),
                 other => {
                     let meant = nearest(other, known_options())
@@ -81,9 +84,9 @@ impl RunOptions {
             }
         }
         if let Some(instances) = instances {
-            options.ensemble = Some(ensemble::Plan { instances, threads, spread });
-        } else if threads.is_some() || !spread.is_empty() {
-            return Err("`--threads` and `--spread` need `--instances N`".into());
+            options.ensemble = Some(ensemble::Plan { instances, threads, spread, summary });
+        } else if threads.is_some() || !spread.is_empty() || summary.is_some() {
+            return Err("`--threads`, `--spread` and `--summary` need `--instances N`".into());
         }
         Ok(options)
     }
@@ -118,7 +121,7 @@ pub fn assignment(text: &str) -> Result<(String, f64), String> {
 
 /// What a caller may watch and stop.
 pub trait Observer {
-    /// Called after every step with steps taken and steps in all; `false` ends the run cleanly.
+    /// Called after every step or some of them with steps taken and steps in all; `false` ends the run cleanly.
     fn advanced(&mut self, step: usize, steps: usize) -> bool;
     /// A message for the user.
     fn note(&mut self, text: &str) {
@@ -167,10 +170,17 @@ pub fn run<M: Model + Clone + Send + Sync>(
     let mut wall = std::time::Duration::ZERO;
     let mut outcome = Ok(());
     let mut since = Instant::now();
-    for step in 1..=steps {
-        outcome = simulation.step();
-        if outcome.is_err() {
-            break;
+    let mut step = 0;
+    while step < steps {
+        // To the next row.
+        let stretch = options.every - step % options.every;
+        let stretch = if trajectory.is_some() { stretch } else { steps };
+        match simulation.advance(stretch.min(steps - step)) {
+            Ok(taken) => step += taken,
+            Err(error) => {
+                outcome = Err(error);
+                break;
+            }
         }
         if let Some(trajectory) = &mut trajectory
             && step % options.every == 0

@@ -1,8 +1,10 @@
 //! A run of a scenario: parameters set, start found, natural lengths and drives fed, steps taken.
 
+mod lanes;
+
 use crate::error::{RunError, StepError, StepErrorKind};
 use crate::follow::Followed;
-use crate::lanes::{LaneConstants, LaneRun};
+use crate::lanes::Courses;
 use crate::layout::Layout;
 use crate::lookup::find_scenario;
 use crate::model::{Instant, Model, ScenarioValues};
@@ -14,7 +16,7 @@ use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
 use std::sync::Arc;
 
-pub use crate::lookup::{find_name, find_param};
+pub use crate::lookup::{find_coordinate, find_name, find_param};
 
 /// Relative tolerance where nothing else is asked for: below rounding, so that the floor decides.
 pub const DEFAULT_TOLERANCE: f64 = 1e-15;
@@ -30,8 +32,15 @@ pub struct Settings {
     pub step: Option<f64>,
     /// Duration (s) instead of the scenario's.
     pub duration: Option<f64>,
+    /// Where coordinates start (rad or m), by name; after the scenario's own `start`.
+    pub start: Vec<(String, f64)>,
+    /// Their rates at the start (rad/s or m/s), by name.
+    pub velocity: Vec<(String, f64)>,
     /// Change of the start, per coordinate; empty for none.
     pub start_offset: Vec<f64>,
+    /// Inputs by name that are held instead of what model and scenario give
+    /// ([`Simulation::hold_input`]).
+    pub inputs: Vec<(String, f64)>,
 }
 
 /// A run in progress.
@@ -54,6 +63,8 @@ pub struct Simulation<M> {
     poses: Vec<Vec<f64>>,
     motions: Vec<Vec<(usize, f64)>>,
     inputs: Vec<f64>,
+    /// Inputs that are held at a value.
+    held: Vec<Option<f64>>,
     rest: Vec<f64>,
     /// Lengths prescribed at the end of the step (m).
     rest_end: Vec<f64>,
@@ -61,6 +72,10 @@ pub struct Simulation<M> {
     start_lengths: Vec<f64>,
     /// Whether any strand's length is prescribed.
     is_prescribed: bool,
+    /// Whether there are inputs or natural lengths that the model gives.
+    is_fed: bool,
+    /// Whether any coordinate has its path given.
+    is_driven: bool,
     /// Whether any strand is a muscle.
     is_muscular: bool,
     statics: Statics,
@@ -72,6 +87,15 @@ pub struct Simulation<M> {
     followed: Vec<Followed>,
     driven_q: Vec<f64>,
     kinetic: Kinetic,
+}
+
+/// What a step needs, side by side.
+struct Parts<'a, M> {
+    model: &'a mut M,
+    state: &'a mut State,
+    stepper: &'a mut Stepper,
+    around: Surroundings<'a>,
+    courses: Courses<'a>,
 }
 
 impl<M: Model> Simulation<M> {
@@ -103,6 +127,15 @@ impl<M: Model> Simulation<M> {
         model.start(&mut q, &mut v);
         values.start.iter().for_each(|&(c, value)| q[c] = value);
         values.velocity.iter().for_each(|&(c, value)| v[c] = value);
+        let mut started: Vec<usize> = values.start.iter().map(|&(c, _)| c).collect();
+        for (name, value) in &settings.start {
+            let coordinate = find_coordinate(&layout, name)?;
+            q[coordinate] = *value;
+            started.push(coordinate);
+        }
+        for (name, value) in &settings.velocity {
+            v[find_coordinate(&layout, name)?] = *value;
+        }
         for ((q, offset), c) in q.iter_mut().zip(&settings.start_offset).zip(&layout.coordinates) {
             // Internal variables follow from the rest.
             *q += if c.is_internal { 0.0 } else { *offset };
@@ -117,6 +150,7 @@ impl<M: Model> Simulation<M> {
         let mut lengths = vec![0.0; layout.strands.len()];
         model.strand_lengths(&q, &mut lengths);
         let tolerance = values.tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        let is_driven = driven.contains(&true);
         let mut simulation = Simulation {
             state: State::new(q, vec![0.0; n], v, layout.rows.len()),
             h,
@@ -129,6 +163,7 @@ impl<M: Model> Simulation<M> {
             poses,
             motions: values.motions,
             inputs: vec![0.0; layout.inputs.len()],
+            held: vec![None; layout.inputs.len()],
             followed: vec![
                 Followed::new(n, layout.strands.len());
                 scenario.map_or(0, |s| layout.scenarios[s].follow.len())
@@ -137,6 +172,8 @@ impl<M: Model> Simulation<M> {
             start_lengths: lengths.clone(),
             rest: lengths,
             is_prescribed: layout.strands.iter().any(|s| s.is_prescribed),
+            is_fed: !layout.inputs.is_empty() || layout.strands.iter().any(|s| s.has_rest),
+            is_driven,
             is_muscular: layout.strands.iter().any(|s| s.muscle.is_some()),
             seen_q: vec![0.0; n],
             seen_v: vec![0.0; n],
@@ -145,8 +182,14 @@ impl<M: Model> Simulation<M> {
             layout,
             model,
         };
-        let started: Vec<usize> = values.start.iter().map(|&(c, _)| c).collect();
+        for (name, value) in &settings.inputs {
+            let known = simulation.layout.inputs.iter().map(|i| i.name.as_str());
+            let input = find_name(&simulation.layout.name, "input", name, known)?;
+            simulation.hold_input(input, Some(*value));
+        }
         simulation.find_start(&started)?;
+        let follows = simulation.follows();
+        simulation.stepper.lanes().follow(follows);
         Ok(simulation)
     }
 
@@ -248,6 +291,11 @@ impl<M: Model> Simulation<M> {
     pub fn inputs(&self) -> &[f64] {
         &self.inputs
     }
+    /// Holds an input at a value over the steps that follow, instead of what model and scenario give;
+    /// `None` lets go of it. A controller calls this between steps.
+    pub fn hold_input(&mut self, input: usize, value: Option<f64>) {
+        self.held[input] = value;
+    }
     /// Index of the scenario that runs.
     pub fn scenario(&self) -> Option<usize> {
         self.scenario
@@ -255,12 +303,33 @@ impl<M: Model> Simulation<M> {
 
     /// Takes one step. On an error the state is untouched.
     pub fn step(&mut self) -> Result<(), RunError> {
+        self.advance(1).map(|_| ())
+    }
+
+    /// Takes up to `steps` steps, at least one, as many as go without a look at the state, and returns
+    /// how many. On an error the state is untouched.
+    pub fn advance(&mut self, steps: usize) -> Result<usize, RunError> {
+        if self.may_use_lanes() {
+            let taken = self.steps_on_lanes(steps);
+            if taken > 0 {
+                return Ok(taken);
+            }
+        }
+        self.step_by_numbers().map(|()| 1)
+    }
+
+    /// As [`Simulation::step`], without lanes.
+    pub(crate) fn step_by_numbers(&mut self) -> Result<(), RunError> {
         self.prepare();
-        self.finish_alone()
+        if self.is_muscular {
+            self.excitable()?;
+        }
+        let Parts { model, state, stepper, around, .. } = self.parts();
+        Ok(stepper.step_by_numbers(model, state, &around)?)
     }
 
     /// Feeds what the next step needs.
-    pub(crate) fn prepare(&mut self) {
+    fn prepare(&mut self) {
         let t1 = self.next_time();
         if self.is_prescribed {
             self.feed(t1);
@@ -274,7 +343,18 @@ impl<M: Model> Simulation<M> {
         (self.state.step + 1) as f64 * self.h
     }
 
-    fn parts(&mut self) -> (&mut M, &mut State, &mut Stepper, Surroundings<'_>) {
+    fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings {
+            h: self.h,
+            t1: self.next_time(),
+            inputs: &self.inputs,
+            rest: &self.rest,
+            rest_end: &self.rest_end,
+            driven_q: &self.driven_q,
+        }
+    }
+
+    fn parts(&mut self) -> Parts<'_, M> {
         let around = Surroundings {
             h: self.h,
             t1: self.next_time(),
@@ -283,39 +363,9 @@ impl<M: Model> Simulation<M> {
             rest_end: &self.rest_end,
             driven_q: &self.driven_q,
         };
-        (&mut self.model, &mut self.state, &mut self.stepper, around)
-    }
-
-    /// Whether this run may take the prepared step on lanes.
-    pub(crate) fn is_on_lanes(&self) -> bool {
-        self.stepper.is_on_lanes() && !(self.is_muscular && self.excitable().is_err())
-    }
-
-    /// Room for constants of several such runs.
-    pub(crate) fn fresh_lane_constants(&mut self) -> LaneConstants {
-        self.stepper.lane_constants().fresh()
-    }
-
-    /// What lanes need of the prepared step.
-    pub(crate) fn lane_run(&mut self) -> (LaneRun<'_>, &M) {
-        let (model, state, stepper, around) = self.parts();
-        (stepper.lane_run(state, &around).0, model)
-    }
-
-    /// Ends the prepared step with what lanes have found.
-    pub(crate) fn finish_on_lanes(&mut self, iterations: usize) {
-        let (_, state, stepper, around) = self.parts();
-        stepper.iterations += iterations;
-        stepper.accept_increment(state, &around);
-    }
-
-    /// Takes the prepared step without the others.
-    pub(crate) fn finish_alone(&mut self) -> Result<(), RunError> {
-        if self.is_muscular {
-            self.excitable()?;
-        }
-        let (model, state, stepper, around) = self.parts();
-        Ok(stepper.step(model, state, &around)?)
+        let courses = Courses { poses: &self.poses, motions: &self.motions };
+        let (model, state, stepper) = (&mut self.model, &mut self.state, &mut self.stepper);
+        Parts { model, state, stepper, around, courses }
     }
 
     /// An error if a muscle is told what it cannot do in the prepared step.
@@ -358,26 +408,7 @@ impl<M: Model> Simulation<M> {
     /// Inputs and natural lengths at time t.
     fn feed(&mut self, t: f64) {
         self.feed_but_follow(t);
-        let mut constants = std::mem::take(self.stepper.lane_constants());
-        Self::follow(std::array::from_mut(self), [t], &mut constants);
-        *self.stepper.lane_constants() = constants;
-    }
-
-    /// As [`Simulation::prepare`], for several runs of one scenario.
-    pub(crate) fn prepare_together<const R: usize>(
-        runs: &mut [Self; R],
-        constants: &mut LaneConstants,
-    ) {
-        if runs[0].is_prescribed {
-            return runs.iter_mut().for_each(Simulation::prepare);
-        }
-        for run in runs.iter_mut() {
-            let t1 = run.next_time();
-            run.feed_but_follow(0.5 * (run.state.t + t1));
-            drives(&mut run.model, run.scenario, t1, &mut run.driven_q);
-        }
-        let t = runs.each_ref().map(|run| 0.5 * (run.state.t + run.next_time()));
-        Self::follow(runs, t, constants);
+        self.follow(t);
     }
 
     fn feed_but_follow(&mut self, t: f64) {
@@ -385,6 +416,9 @@ impl<M: Model> Simulation<M> {
             self.model.inputs(t, &mut self.inputs);
             if let Some(scenario) = self.scenario {
                 self.model.scenario_inputs(scenario, t, &mut self.inputs);
+            }
+            for (input, held) in self.inputs.iter_mut().zip(&self.held) {
+                *input = held.unwrap_or(*input);
             }
             for (strand, &length) in self.layout.strands.iter().zip(&self.start_lengths) {
                 if let Some(input) = strand.actuator.filter(|&input| self.inputs[input].is_nan()) {
@@ -401,35 +435,14 @@ impl<M: Model> Simulation<M> {
         }
     }
 
-    /// Natural lengths of several runs of one scenario that follow motions.
-    fn follow<const R: usize>(runs: &mut [Self; R], t: [f64; R], constants: &mut LaneConstants) {
-        let Some(scenario) = runs[0].scenario else { return };
-        let layout = Arc::clone(&runs[0].layout);
-        for (index, follow) in layout.scenarios[scenario].follow.iter().enumerate() {
-            let mut times = t.iter();
-            let mut moved = false;
-            for run in runs.iter_mut() {
-                let (knots, t) = (&run.motions[follow.motion], times.next().copied());
-                let followed = &mut run.followed[index];
-                moved |= followed.move_to(&run.model, &run.poses, knots, t.unwrap_or(0.0));
-            }
-            if moved {
-                let mut followed =
-                    runs.each_mut().map(|run| std::mem::take(&mut run.followed[index]));
-                let models = runs.each_ref().map(|run| &run.model);
-                Followed::measure_on_lanes(&mut followed, models, constants);
-                for (run, followed) in runs.iter_mut().zip(followed) {
-                    run.followed[index] = followed;
-                }
-            }
-            for run in runs.iter_mut() {
-                let followed = &mut run.followed[index];
-                if follow.strands.iter().any(|&strand| followed.lengths()[strand].is_nan()) {
-                    followed.measure(&mut run.model);
-                }
-                for &strand in &follow.strands {
-                    run.rest[strand] = followed.lengths()[strand];
-                }
+    /// Natural lengths that follow motions.
+    fn follow(&mut self, t: f64) {
+        let Some(scenario) = self.scenario else { return };
+        let follows = &self.layout.scenarios[scenario].follow;
+        for (follow, followed) in follows.iter().zip(&mut self.followed) {
+            followed.move_to(&mut self.model, &self.poses, &self.motions[follow.motion], t);
+            for &strand in &follow.strands {
+                self.rest[strand] = followed.lengths()[strand];
             }
         }
     }

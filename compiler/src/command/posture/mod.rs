@@ -117,7 +117,7 @@ pub(crate) fn settle(
         // No step is taken.
         step: Some(1e-3),
         duration: Some(1e-3),
-        start_offset: Vec::new(),
+        ..Settings::default()
     };
     let simulation = match Simulation::new(Interpreter::new(Arc::new(edited)), &settings) {
         Ok(simulation) => simulation,

@@ -1,159 +1,146 @@
-//! Many copies of one run, spread over parameters and starts, on threads.
+//! Many runs of one model: on the lanes of vectors within a thread, and on threads beside each other.
 
+mod plan;
 mod results;
 mod spread;
+mod summary;
 
 use crate::error::RunError;
 use crate::lanes::RUNS;
 use crate::model::Model;
-use crate::runner::{Observer, RunOptions, summary};
-use crate::simulation::{Settings, Simulation, find_param};
+use crate::simulation::{Settings, Simulation};
 use crate::together::Together;
-use crate::trajectory::{columns, row};
-use results::{One, Results};
-use spread::Random;
+pub use plan::Plan;
+pub(crate) use plan::run;
 pub use spread::Spread;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
-/// An ensemble.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    /// Copies.
-    pub instances: usize,
-    /// Threads; `None`: all cores.
-    pub threads: Option<usize>,
-    /// How copies differ.
-    pub spread: Vec<Spread>,
+/// Runs of one model that differ by their settings: parameters, start, inputs, scenario, step.
+///
+/// ```
+/// # use handc_core::ensemble::Ensemble;
+/// # use handc_core::model::Model;
+/// # use handc_core::simulation::Settings;
+/// # use std::sync::Mutex;
+/// # fn show<M: Model + Clone + Send + Sync>(hand: &M) {
+/// let energies = Mutex::new(vec![f64::NAN; 1000]);
+/// Ensemble::new(hand).run(
+///     1000,
+///     |i| Settings { set: vec![("k".into(), 200.0 + i as f64)], ..Settings::default() },
+///     |_, _| {},
+///     |i, mut ended| {
+///         if let (Some(run), None) = (&mut ended.run, &ended.error) {
+///             energies.lock().unwrap()[i] = run.energy();
+///         }
+///     },
+/// );
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Ensemble<'m, M> {
+    model: &'m M,
+    threads: usize,
+    every: Option<usize>,
 }
 
-impl Plan {
-    /// Settings of one copy.
-    fn settings(&self, base: &Settings, coordinates: usize, instance: usize) -> Settings {
-        let mut settings = base.clone();
-        let place = match self.instances {
-            1 => 0.0,
-            many => instance as f64 / (many - 1) as f64,
+/// A run that goes on no further.
+#[derive(Debug)]
+pub struct Ended<M> {
+    /// The run where it ended; `None` if it could not start.
+    pub run: Option<Simulation<M>>,
+    /// Why it ended before its time.
+    pub error: Option<RunError>,
+}
+
+impl<'m, M: Model + Clone + Send + Sync> Ensemble<'m, M> {
+    /// Of a model, on all cores.
+    pub fn new(model: &'m M) -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        Ensemble { model, threads, every: None }
+    }
+
+    /// On so many threads.
+    pub fn threads(self, threads: usize) -> Self {
+        Ensemble { threads: threads.max(1), ..self }
+    }
+
+    /// Visits each run at its start and then after every so many steps.
+    pub fn every(self, steps: usize) -> Self {
+        Ensemble { every: Some(steps.max(1)), ..self }
+    }
+
+    /// Runs instance 0 to `instances` − 1, each with its own settings, to their ends. One that fails
+    /// stops no other.
+    ///
+    /// `visit` sees a run where [`Ensemble::every`] says, and may change it: hold inputs, stop it by
+    /// `run.steps = run.state.step`. `ended` takes each run when it is over, in no order. Both are
+    /// called from several threads.
+    pub fn run(
+        &self,
+        instances: usize,
+        settings: impl Fn(usize) -> Settings + Sync,
+        visit: impl Fn(usize, &mut Simulation<M>) + Sync,
+        ended: impl Fn(usize, Ended<M>) + Sync,
+    ) {
+        let threads = self.threads.min(instances);
+        // So many that all threads have some.
+        let together = RUNS.min(instances.div_ceil(threads.max(1))).max(1);
+        let next = AtomicUsize::new(0);
+        let work = || {
+            loop {
+                let first = next.fetch_add(together, Ordering::Relaxed);
+                if first >= instances {
+                    return;
+                }
+                let last = instances.min(first + together);
+                self.run_some(first..last, &settings, &visit, &ended);
+            }
         };
-        for spread in &self.spread {
-            match spread {
-                Spread::Param { name, low, high } => {
-                    settings.set.push((name.clone(), low + (high - low) * place));
+        std::thread::scope(|scope| {
+            (1..threads).for_each(|_| drop(scope.spawn(work)));
+            work();
+        });
+    }
+
+    /// Runs up to [`RUNS`] instances together.
+    fn run_some(
+        &self,
+        instances: std::ops::Range<usize>,
+        settings: &impl Fn(usize) -> Settings,
+        visit: &impl Fn(usize, &mut Simulation<M>),
+        ended: &impl Fn(usize, Ended<M>),
+    ) {
+        let (mut numbers, mut runs) = (Vec::new(), Vec::new());
+        for instance in instances {
+            match Simulation::new(self.model.clone(), &settings(instance)) {
+                Ok(run) => {
+                    numbers.push(instance);
+                    runs.push(run);
                 }
-                Spread::Start { sigma } => {
-                    let mut random = Random::new(instance as u64);
-                    settings.start_offset =
-                        (0..coordinates).map(|_| sigma * random.normal()).collect();
-                }
+                Err(error) => ended(instance, Ended { run: None, error: Some(error) }),
             }
         }
-        settings
-    }
-}
-
-/// Runs every copy to its end; a copy that fails is reported by number and stops no other. With an
-/// output file, one row per copy: its number, steps taken, then the last row of its trajectory. Rows
-/// are written in order as copies end, so that what was computed is on disk if the rest is not.
-pub(crate) fn run<M: Model + Clone + Send + Sync>(
-    model: &M,
-    options: &RunOptions,
-    plan: &Plan,
-    observer: &mut impl Observer,
-) -> Result<(), RunError> {
-    let layout = model.layout();
-    for spread in &plan.spread {
-        if let Spread::Param { name, .. } = spread {
-            find_param(layout, name)?;
-        }
-    }
-    let coordinates = layout.coordinates.len();
-    // Options that fit no copy are an error of the command line, said once.
-    let first = Simulation::new(model.clone(), &plan.settings(&options.settings, coordinates, 0));
-    let header = match first {
-        Ok(simulation) => columns(&simulation),
-        Err(error @ RunError::Usage(_)) => return Err(error),
-        Err(_) => Vec::new(),
-    };
-    let available = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let threads = plan.threads.unwrap_or(available).min(plan.instances);
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(Results::new(options.out.as_deref(), &header)?);
-    let began = Instant::now();
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                loop {
-                    let first = next.fetch_add(RUNS, Ordering::Relaxed);
-                    if first >= plan.instances {
-                        break;
-                    }
-                    let settings = (first..plan.instances.min(first + RUNS))
-                        .map(|i| plan.settings(&options.settings, coordinates, i));
-                    let outcomes = run_some(model, settings);
-                    if let Ok(mut results) = results.lock() {
-                        results.take((first..).zip(outcomes));
+        let mut errors: Vec<Option<RunError>> = runs.iter().map(|_| None).collect();
+        let mut together = Together::new(runs);
+        let every = self.every.unwrap_or(usize::MAX);
+        let mut step = 0;
+        loop {
+            if self.every.is_some() && step % every == 0 {
+                for ((run, &number), error) in together.runs().iter_mut().zip(&numbers).zip(&errors)
+                {
+                    if error.is_none() && run.state.step == step {
+                        visit(number, run);
                     }
                 }
-            });
-        }
-    });
-    let wall = began.elapsed().as_secs_f64();
-    let results = results.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-    results.failed.iter().for_each(|line| observer.note(line));
-    observer.note(&summary(results.steps, wall, results.iterations));
-    if let Some(error) = results.lost {
-        return Err(error);
-    }
-    match results.failed.len() {
-        0 => Ok(()),
-        failed => Err(RunError::Start(format!("{failed} of {} instances failed", plan.instances))),
-    }
-}
-
-/// Runs up to [`RUNS`] copies to their ends, together as long as none has failed.
-fn run_some<M: Model + Clone>(model: &M, settings: impl Iterator<Item = Settings>) -> Vec<One> {
-    let mut started: Vec<_> = settings.map(|s| Simulation::new(model.clone(), &s)).collect();
-    let mut errors: Vec<Option<RunError>> = started.iter().map(|_| None).collect();
-    if started.len() == RUNS && started.iter().all(Result::is_ok) {
-        let runs: Vec<Simulation<M>> = started.drain(..).flatten().collect();
-        match <[_; RUNS]>::try_from(runs) {
-            Ok(mut runs) => {
-                together(&mut runs, &mut errors);
-                started.extend(runs.map(Ok));
             }
-            Err(runs) => started.extend(runs.into_iter().map(Ok)),
+            if together.is_over() {
+                break;
+            }
+            together.advance(every - step % every, |run, error| errors[run] = Some(error));
+            step = together.furthest();
+        }
+        for ((run, number), error) in together.into_runs().into_iter().zip(numbers).zip(errors) {
+            ended(number, Ended { run: Some(run), error });
         }
     }
-    started.into_iter().zip(errors).map(|(run, error)| to_the_end(run, error)).collect()
-}
-
-/// Steps all runs until one of them fails.
-fn together<M: Model>(runs: &mut [Simulation<M>; RUNS], errors: &mut [Option<RunError>]) {
-    let mut together = Together::new(&mut runs[0]);
-    let steps = runs.each_ref().map(|run| run.steps).into_iter().min().unwrap_or(0);
-    for _ in 0..steps {
-        for (outcome, error) in together.step(runs).into_iter().zip(errors.iter_mut()) {
-            *error = outcome.err();
-        }
-        if errors.iter().any(Option::is_some) {
-            return;
-        }
-    }
-}
-
-/// Goes on with a copy until it ends or fails.
-fn to_the_end<M: Model>(run: Result<Simulation<M>, RunError>, mut error: Option<RunError>) -> One {
-    let mut simulation = match run {
-        Ok(simulation) => simulation,
-        Err(error) => {
-            return One { steps: 0, iterations: 0, last: Vec::new(), error: Some(error) };
-        }
-    };
-    while error.is_none() && simulation.state.step < simulation.steps {
-        error = simulation.step().err();
-    }
-    let mut last = Vec::new();
-    row(&mut simulation, &mut last);
-    One { steps: simulation.state.step, iterations: simulation.iterations(), last, error }
 }

@@ -1,19 +1,33 @@
 //! Results of an ensemble: a row for each copy, on disk as soon as its turn has come.
 
+use super::Ended;
 use crate::error::RunError;
-use crate::trajectory::push_number;
+use crate::model::Model;
+use crate::trajectory::{push_number, row};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// One copy that has ended.
+#[derive(Debug, Default)]
 pub(super) struct One {
     pub(super) steps: usize,
     pub(super) iterations: usize,
     /// Last row.
     pub(super) last: Vec<f64>,
     pub(super) error: Option<RunError>,
+}
+
+impl<M: Model> From<Ended<M>> for One {
+    fn from(ended: Ended<M>) -> One {
+        let mut one = One { error: ended.error, ..One::default() };
+        if let Some(mut run) = ended.run {
+            row(&mut run, &mut one.last);
+            (one.steps, one.iterations) = (run.state.step, run.iterations());
+        }
+        one
+    }
 }
 
 /// What has come of the copies so far.
@@ -53,9 +67,9 @@ impl Results {
         results.lost.take().map_or(Ok(results), Err)
     }
 
-    /// Takes copies that have ended, and writes the rows whose turn it is.
-    pub(super) fn take(&mut self, ended: impl Iterator<Item = (usize, One)>) {
-        self.waiting.extend(ended);
+    /// Takes a copy that has ended, and writes the rows whose turn it is.
+    pub(super) fn take(&mut self, copy: usize, one: One) {
+        self.waiting.insert(copy, one);
         let mut text = String::new();
         while let Some(one) = self.waiting.remove(&self.next) {
             self.steps += one.steps;

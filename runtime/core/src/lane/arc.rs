@@ -67,13 +67,13 @@ pub(super) fn angle<L: Lane>(y: L, x: L) -> L {
 /// A polynomial of degree ten, split so that the steps overlap.
 #[inline(always)]
 fn series<L: Lane>(z: L) -> L {
-    let a = ARC.map(L::splat);
+    let a = |k: usize| L::splat(ARC[k]);
     let square = z * z;
     let fourth = square * square;
-    let pair = |k: usize| a[k + 1].mul_add(z, a[k]);
+    let pair = |k: usize| a(k + 1).mul_add(z, a(k));
     let low = square.mul_add(pair(2), pair(0));
     let middle = square.mul_add(pair(6), pair(4));
-    let high = square.mul_add(a[10], pair(8));
+    let high = square.mul_add(a(10), pair(8));
     fourth.mul_add(fourth.mul_add(high, middle), low)
 }
 

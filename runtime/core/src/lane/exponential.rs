@@ -36,10 +36,10 @@ pub(super) fn reduced<L: Lane>(x: L) -> L {
     let r = exact - second;
     // What the rounding of r lost is added to first order.
     let tail = (exact - r) - second;
-    let a = SERIES.map(L::splat);
+    let a = |k: usize| L::splat(SERIES[k]);
     let square = r * r;
     let fourth = square * square;
-    let pair = |k: usize| a[k + 1].mul_add(r, a[k]);
+    let pair = |k: usize| a(k + 1).mul_add(r, a(k));
     let low = square.mul_add(pair(2), pair(0));
     let high = square.mul_add(pair(6), pair(4));
     let series = fourth.mul_add(fourth.mul_add(pair(8), high), low);

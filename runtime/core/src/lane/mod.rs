@@ -1,18 +1,27 @@
-//! Numbers side by side: one `f64`, or four in a vector register.
+//! Numbers side by side: one `f64`, or four or eight in a vector register.
 //!
 //! Equations that a model repeats, and runs that go side by side, are computed on the lanes of a
 //! vector. The code is written once, generic over [`Lane`]. Which width runs is decided when the
 //! program runs, by asking the processor, so that one program is right everywhere and fast where it
 //! can be.
+//!
+//! The one place with `unsafe`: a vector's instructions exist only on processors that have them, so
+//! the types are private to this crate and every value of them lives within [`call`], which asks the
+//! processor first.
 
 mod arc;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod exponential;
+mod machine;
 mod sine;
 pub(crate) mod sweep;
 #[cfg(target_arch = "x86_64")]
-mod x4;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use x4::call;
+mod vector;
+pub use machine::use_at_most;
+pub(crate) use machine::{available, call};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -23,18 +32,12 @@ mod sealed {
 }
 
 /// Lanes of the widest vector.
-pub(crate) const WIDEST: usize = 4;
+pub(crate) const WIDEST: usize = 8;
 
 /// Something to be done with as many lanes as the processor has.
 pub(crate) trait Work {
     /// Does it. To be inlined: only inside [`call`] is code made of the vector's instructions.
     fn run<L: Lane>(self);
-}
-
-/// Without vectors nothing is done, and the caller goes on number by number.
-#[cfg(not(target_arch = "x86_64"))]
-pub(crate) fn call(_work: impl Work) -> bool {
-    false
 }
 
 /// A number in every lane.
@@ -117,14 +120,12 @@ pub trait Lane:
     fn map_two(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
         Self::from_lanes(|i| function(self.lane(i), other.lane(i)))
     }
-    /// Sine and cosine (rad), each within one unit in the last place.
+    /// Sine and cosine (rad), each within one unit in the last place. A vector answers NaN where the
+    /// angle is beyond [`sine::LARGEST_ANGLE`]: a call of the library amid the equations would cost
+    /// every value that waits in a register.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        if self.abs().less_equal(Self::splat(sine::LARGEST_ANGLE)) == Self::ALL {
-            sine::reduced(self)
-        } else {
-            (self.map(f64::sin), self.map(f64::cos))
-        }
+        sine::reduced(self)
     }
     /// Angle of the point (x = `x`, y = `self`) (rad), within two units in the last place.
     #[inline(always)]
@@ -133,6 +134,26 @@ pub trait Lane:
     }
     /// Bits of all lanes.
     const ALL: u8 = ((1u16 << Self::WIDTH) - 1) as u8;
+}
+
+/// The first numbers of a list, each in all lanes.
+#[inline(always)]
+pub(crate) fn load<L: Lane, const N: usize>(list: &[f64]) -> [L; N] {
+    let list = &list[..N * L::WIDTH];
+    let mut all = [L::splat(0.0); N];
+    for i in 0..N {
+        all[i] = L::load(&list[i * L::WIDTH..]);
+    }
+    all
+}
+
+/// The other way.
+#[inline(always)]
+pub(crate) fn store<L: Lane, const N: usize>(all: &[L; N], list: &mut [f64]) {
+    let list = &mut list[..N * L::WIDTH];
+    for i in 0..N {
+        all[i].store(&mut list[i * L::WIDTH..]);
+    }
 }
 
 impl Lane for f64 {
@@ -205,6 +226,13 @@ impl Lane for f64 {
     #[inline(always)]
     fn with_sign_of(self, other: f64) -> f64 {
         self.copysign(other)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (f64, f64) {
+        match self.abs() <= sine::LARGEST_ANGLE {
+            true => sine::reduced(self),
+            false => (self.sin(), self.cos()),
+        }
     }
     #[inline(always)]
     fn turn(shifted: f64, sine: f64, cosine: f64) -> (f64, f64) {

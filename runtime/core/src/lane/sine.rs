@@ -43,6 +43,7 @@ pub(super) fn reduced<L: Lane>(x: L) -> (L, L) {
     let r = exact - second;
     // What the rounding of r lost is handed to both results to first order.
     let tail = n.neg_mul_add(L::splat(HALF_PI[2]), (exact - r) - second);
+    let tail = L::if_less_equal(x.abs(), L::splat(LARGEST_ANGLE), tail, L::splat(f64::NAN));
     let z = r * r;
     let (s, c) = (series(&SINE, z), series(&COSINE, z));
     let sine = r + (r * z).mul_add(s, tail);
@@ -53,10 +54,11 @@ pub(super) fn reduced<L: Lane>(x: L) -> (L, L) {
 /// A polynomial of degree five, split in three so that the steps overlap.
 #[inline(always)]
 fn series<L: Lane>(a: &[f64; 6], z: L) -> L {
-    let a = a.map(L::splat);
+    // An array of vectors would go through memory.
+    let a = |k: usize| L::splat(a[k]);
     let square = z * z;
-    let low = a[1].mul_add(z, a[0]);
-    let middle = a[3].mul_add(z, a[2]);
-    let high = a[5].mul_add(z, a[4]);
+    let low = a(1).mul_add(z, a(0));
+    let middle = a(3).mul_add(z, a(2));
+    let high = a(5).mul_add(z, a(4));
     square.mul_add(square.mul_add(high, middle), low)
 }

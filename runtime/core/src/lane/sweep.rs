@@ -11,7 +11,7 @@ pub(crate) trait Sweep {
 /// Sweeps over `count` elements.
 #[inline]
 pub(crate) fn sweep(count: usize, sweep: &mut impl Sweep) {
-    if !call(Whole { count, sweep: &mut *sweep }) {
+    if !call(4, Whole { count, sweep: &mut *sweep }) {
         for i in 0..count {
             sweep.at::<f64>(i);
         }

@@ -1,7 +1,7 @@
 //! Momentum, force and Newton matrix on lanes, for Newton's method number by number.
 
-use super::{Jobs, LaneConstants, LaneVisitor, Schedule};
-use crate::lane::{Lane, Work, call};
+use super::LaneVisitor;
+use crate::lane::{Lane, WIDEST, Work, available, call};
 use crate::model::Midpoint;
 use crate::shape::{Local, Place, Shape};
 use std::marker::PhantomData;
@@ -19,16 +19,38 @@ pub(crate) struct Asked<'a> {
     pub(crate) matrix: Option<(f64, &'a mut [f64])>,
 }
 
+/// Constants of the vectors, laid out for one set of parameters.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct EvaluationConstants {
+    /// Stamp of the parameters, and lanes of the machine.
+    made_for: (u64, usize),
+    vectors: Vec<Vec<f64>>,
+}
+
 /// Evaluates all parts of one run's equations.
 pub(crate) struct LaneEvaluation<'a, 'b> {
     asked: Asked<'a>,
-    schedule: Schedule<'b>,
+    constants: &'b mut EvaluationConstants,
+    /// Whether the constants are to be laid out.
+    is_fresh: bool,
+    next: usize,
+    is_complete: bool,
 }
 
 impl<'a, 'b> LaneEvaluation<'a, 'b> {
     /// For a run whose parameters bear the given stamp.
-    pub(crate) fn new(asked: Asked<'a>, revision: u64, constants: &'b mut LaneConstants) -> Self {
-        LaneEvaluation { asked, schedule: Schedule::new(&[revision], constants) }
+    pub(crate) fn new(
+        asked: Asked<'a>,
+        revision: u64,
+        constants: &'b mut EvaluationConstants,
+    ) -> Self {
+        let wanted = (revision, available());
+        let is_fresh = constants.made_for != wanted;
+        if is_fresh {
+            constants.made_for = wanted;
+            constants.vectors.clear();
+        }
+        LaneEvaluation { asked, constants, is_fresh, next: 0, is_complete: available() > 1 }
     }
 }
 
@@ -47,26 +69,33 @@ impl LaneVisitor for LaneEvaluation<'_, '_> {
         places: &[Place<Q, S, U>],
         constants: impl Fn(usize) -> &'c [f64],
     ) {
-        let asked = &mut self.asked;
-        self.schedule.vectors::<Sh, N, M, Q, S, U>(
-            1,
-            places,
-            constants,
-            |jobs, used, constants| {
-                call(EvaluationVector::<Sh, N, M, Q, S, U> {
-                    asked,
-                    places,
-                    jobs,
-                    used,
-                    constants,
-                    shape: PhantomData,
-                })
-            },
-        );
+        let mut first = 0;
+        while first < places.len() && self.is_complete {
+            let left = places.len() - first;
+            let width = if left > 4 { available() } else { 4 };
+            let used = width.min(left);
+            // Lanes that are left over repeat the last part.
+            let parts: [usize; WIDEST] = std::array::from_fn(|lane| first + lane.min(used - 1));
+            if self.is_fresh {
+                let mut all = Vec::with_capacity(Sh::CONSTANTS * width);
+                for k in 0..Sh::CONSTANTS {
+                    let own = |&part: &usize| constants(0)[part * Sh::CONSTANTS + k];
+                    all.extend(parts[..width].iter().map(own));
+                }
+                self.constants.vectors.push(all);
+            }
+            let (asked, constants) = (&mut self.asked, &self.constants.vectors[self.next][..]);
+            let shape = PhantomData::<Sh>;
+            let parts = &parts;
+            let work = EvaluationVector { asked, places, parts, used, constants, shape };
+            self.is_complete = call(width, work);
+            self.next += 1;
+            first += used;
+        }
     }
 
     fn is_complete(&self) -> bool {
-        !self.schedule.unavailable
+        self.is_complete
     }
 }
 
@@ -83,7 +112,7 @@ struct EvaluationVector<
 > {
     asked: &'v mut Asked<'a>,
     places: &'v [Place<Q, S, U>],
-    jobs: &'v Jobs,
+    parts: &'v [usize; WIDEST],
     used: usize,
     constants: &'v [f64],
     shape: PhantomData<Sh>,
@@ -102,7 +131,7 @@ impl<
     fn run<L: Lane>(self) {
         let Asked { at, momentum, force, matrix } = self.asked;
         let zero = L::splat(0.0);
-        let lanes = self.jobs.map(|(_, part)| &self.places[part]);
+        let lanes = self.parts.map(|part| &self.places[part]);
         let mut local = Local::<L, Q, S, U> {
             q: [zero; Q],
             v: [zero; Q],

@@ -1,25 +1,37 @@
-//! Work on lanes: which block of which run stands in which lane.
+//! Runs on lanes: states that are kept lane by lane while they step.
 //!
 //! A model shows its shapes to a [`LaneVisitor`]; every pair of a run and a block of that shape takes
-//! a lane. So the like fingers of one hand go side by side, and so do the hands of an ensemble. The
-//! constants of a vector's lanes are laid side by side once and used until a parameter changes.
+//! a lane. So the like fingers of one hand go side by side, and so do the hands of an ensemble. A
+//! [`Vector`] holds everything that the steps of its lanes read and write, lane beside lane, from
+//! step to step: what the world does is handed to it before a step, and the state is written back
+//! when someone wants to see it.
 
+mod advance;
+mod arrange;
+mod course;
 mod evaluate;
-mod lengths;
+mod exchange;
+mod foretell;
 mod step;
+mod vector;
 
-use crate::lane::WIDEST;
+use crate::lane::available;
+use crate::model::Model;
 use crate::shape::{Place, Shape};
-pub(crate) use evaluate::{Asked, LaneEvaluation};
-pub(crate) use lengths::LaneLengths;
+use advance::advance;
+use arrange::Arrange;
+pub(crate) use course::{Courses, Follows};
+pub(crate) use evaluate::{Asked, EvaluationConstants, LaneEvaluation};
+pub(crate) use exchange::{Around, TakenUp};
 use std::sync::atomic::{AtomicU64, Ordering};
-pub(crate) use step::{LaneRun, LaneStep};
+use step::LaneStep;
+use vector::Vector;
 
 /// Runs that go together at most.
-pub const RUNS: usize = 4;
+pub const RUNS: usize = 8;
 
-/// A run and a block for every lane.
-type Jobs = [(usize, usize); WIDEST];
+/// Steps that are taken in one go at most, where nothing is to be handed over between them.
+const STRETCH: usize = 64;
 
 /// A stamp that has not been given before, for parameters that have changed.
 pub fn next_revision() -> u64 {
@@ -48,107 +60,123 @@ pub trait LaneVisitor {
     fn is_complete(&self) -> bool;
 }
 
-/// Constants by vector, kept from step to step.
+/// What is known of coordinates before any run.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LaneConstants {
-    /// Least size of each coordinate for tolerances (1 rad or the model's length).
-    size: Vec<f64>,
-    revisions: [u64; RUNS],
-    vectors: Vec<Vec<f64>>,
+pub(crate) struct Kinds {
+    /// Least size for tolerances (1 rad or the model's length).
+    pub(crate) size: Vec<f64>,
+    /// Whether it is in static equilibrium.
+    pub(crate) is_static: Vec<bool>,
+    /// Whether it is an [internal variable](crate::internal).
+    pub(crate) is_internal: Vec<bool>,
 }
 
-impl LaneConstants {
-    /// The same sizes, and no constants yet.
+/// Runs of one model on lanes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lanes {
+    kinds: Kinds,
+    follows: Follows,
+    vectors: Vec<Vector>,
+    /// Whether some follower is on no lane.
+    leave_followers: bool,
+    /// Stamps of the runs' parameters, and lanes of the machine, for which the vectors were made.
+    made_for: ([u64; RUNS], usize),
+    /// Steps whose increments the lanes remember.
+    known: usize,
+    /// Newton iterations of each run in the last steps.
+    iterations: [usize; RUNS],
+    /// Steps that are still to be taken one by one, since a stretch has failed.
+    careful: usize,
+}
+
+/// How steps on lanes ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// The model or the machine has no lanes.
+    Unavailable,
+    /// All runs have taken so many steps.
+    Stepped(usize),
+    /// The runs whose bits are set could not take one step and are left as they were; the others have
+    /// taken it.
+    Failed(u8),
+}
+
+impl Lanes {
+    /// For coordinates of these kinds.
+    pub(crate) fn new(kinds: Kinds) -> Self {
+        Lanes { kinds, ..Lanes::default() }
+    }
+
+    /// The same coordinates and motions, for other runs.
     pub(crate) fn fresh(&self) -> Self {
-        LaneConstants::new(self.size.clone())
+        let (kinds, follows) = (self.kinds.clone(), self.follows.clone());
+        Lanes { kinds, follows, ..Lanes::default() }
     }
 
-    /// None yet, for coordinates of these sizes.
-    pub(crate) fn new(size: Vec<f64>) -> Self {
-        LaneConstants { size, ..LaneConstants::default() }
+    /// From now on the strands of `follows` take their natural lengths from motions.
+    pub(crate) fn follow(&mut self, follows: Follows) {
+        self.follows = follows;
+        self.made_for = Default::default();
     }
-}
 
-/// Goes through the vectors in order.
-struct Schedule<'b> {
-    constants: &'b mut LaneConstants,
-    next_vector: usize,
-    fresh: bool,
-    unavailable: bool,
-}
-
-impl<'b> Schedule<'b> {
-    fn new(revisions: &[u64], constants: &'b mut LaneConstants) -> Self {
+    /// Whether the vectors were made for these parameters and this machine. If not they are made now,
+    /// with no states in them.
+    pub(crate) fn arrange<M: Model>(&mut self, models: &[&M]) -> bool {
         let mut stamps = [0; RUNS];
-        stamps[..revisions.len()].copy_from_slice(revisions);
-        let fresh = stamps != constants.revisions;
-        if fresh {
-            constants.revisions = stamps;
-            constants.vectors.clear();
+        for (stamp, model) in stamps.iter_mut().zip(models) {
+            *stamp = model.revision();
         }
-        Schedule { constants, next_vector: 0, fresh, unavailable: false }
+        let wanted = (stamps, available());
+        if self.made_for == wanted {
+            return true;
+        }
+        self.made_for = wanted;
+        let mut arrange = Arrange::new(&self.kinds, &self.follows, models.len(), available());
+        M::on_lanes(models, &mut arrange);
+        self.vectors = arrange.vectors;
+        let is_here = |strand| self.vectors.iter().any(|vector| vector.strands.contains(&strand));
+        self.leave_followers = !self.follows.followers().all(is_here);
+        false
     }
 
-    /// Hands every vector of a shape's jobs to `work`: jobs, how many count, and constants.
-    #[inline(always)]
-    fn vectors<
-        'c,
-        Sh: Shape<N, M, Q, S, U>,
-        const N: usize,
-        const M: usize,
-        const Q: usize,
-        const S: usize,
-        const U: usize,
-    >(
+    /// Takes up to `count` steps, at least one, with all runs of which [`Lanes::arrange`] was asked.
+    /// More than one are taken only if nothing is to be handed over between them.
+    pub(crate) fn step<M: Model>(
         &mut self,
-        runs: usize,
-        places: &[Place<Q, S, U>],
-        constants: impl Fn(usize) -> &'c [f64],
-        mut work: impl FnMut(&Jobs, usize, &[f64]) -> bool,
-    ) {
-        let lanes = runs * places.len();
-        let mut first = 0;
-        while first < lanes && !self.unavailable {
-            let mut jobs = [(0, 0); WIDEST];
-            let used = WIDEST.min(lanes - first);
-            for (lane, job) in jobs.iter_mut().enumerate() {
-                // Lanes that are left over repeat the last job.
-                let number = first + lane.min(used - 1);
-                *job = (number % runs, number / runs);
+        models: &[&M],
+        courses: &[Courses],
+        count: usize,
+    ) -> Outcome {
+        let stretch = count.min(STRETCH);
+        if stretch > 1 && self.careful == 0 {
+            self.vectors.iter_mut().for_each(Vector::save);
+            let mut steps = LaneStep::new(&mut self.vectors, courses, self.known, Some(stretch));
+            if !M::on_lanes(models, &mut steps) {
+                return Outcome::Unavailable;
             }
-            if self.fresh {
-                let size = &self.constants.size;
-                let made = vector::<Sh, N, M, Q, S, U>(&jobs, size, places, &constants);
-                self.constants.vectors.push(made);
+            if steps.failed == 0 {
+                self.iterations = steps.iterations;
+                self.known += stretch;
+                return Outcome::Stepped(stretch);
             }
-            self.unavailable = !work(&jobs, used, &self.constants.vectors[self.next_vector]);
-            self.next_vector += 1;
-            first += used;
+            // Vectors have come to different steps: back, and one by one to where it fails.
+            self.vectors.iter_mut().for_each(Vector::restore);
+            self.careful = STRETCH;
         }
+        self.careful = self.careful.saturating_sub(1);
+        let mut step = LaneStep::new(&mut self.vectors, courses, self.known, None);
+        if !M::on_lanes(models, &mut step) {
+            return Outcome::Unavailable;
+        }
+        let failed = step.failed;
+        self.iterations = step.iterations;
+        advance(&mut self.vectors, self.known, failed);
+        self.known += 1;
+        if failed == 0 { Outcome::Stepped(1) } else { Outcome::Failed(failed) }
     }
-}
 
-/// The constants of the jobs lane beside lane, and after them the sizes of their coordinates.
-fn vector<
-    'c,
-    Sh: Shape<N, M, Q, S, U>,
-    const N: usize,
-    const M: usize,
-    const Q: usize,
-    const S: usize,
-    const U: usize,
->(
-    jobs: &Jobs,
-    size: &[f64],
-    places: &[Place<Q, S, U>],
-    constants: &impl Fn(usize) -> &'c [f64],
-) -> Vec<f64> {
-    let mut vector = Vec::with_capacity((Sh::CONSTANTS + N) * WIDEST);
-    for k in 0..Sh::CONSTANTS {
-        vector.extend(jobs.iter().map(|&(run, block)| constants(run)[block * Sh::CONSTANTS + k]));
+    /// Newton iterations of a run in the last steps.
+    pub(crate) fn iterations(&self, run: usize) -> usize {
+        self.iterations[run]
     }
-    for i in 0..N {
-        vector.extend(jobs.iter().map(|&(_, block)| size[places[block].coordinates[i]]));
-    }
-    vector
 }

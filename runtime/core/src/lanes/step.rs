@@ -1,58 +1,59 @@
-//! A step on lanes: numbers gathered from the runs, Newton's method, results scattered.
+//! A step on lanes: natural lengths measured, increments guessed and found by Newton's method.
+//!
+//! The states stay as they are until every vector has been solved; see [`super::advance`].
 
-use super::{Jobs, LaneConstants, LaneVisitor, Schedule};
-use crate::lane::{Lane, Work, call};
-use crate::newton::{Start, newton};
+use super::advance::advance_lanes;
+use super::course::Courses;
+use super::foretell::foretell;
+use super::vector::Vector;
+use super::{LaneVisitor, RUNS};
+use crate::internal;
+use crate::lane::{Lane, Work, call, load, store};
+use crate::newton::{Balances, Kept, Start, newton};
 use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
 
-/// What a step needs of one run, and what it gives back.
-#[derive(Debug)]
-pub(crate) struct LaneRun<'a> {
-    /// Coordinates at the beginning.
-    pub(crate) q: &'a [f64],
-    /// Momenta at the beginning.
-    pub(crate) p: &'a [f64],
-    /// Natural lengths at the middle (m).
-    pub(crate) rest: &'a [f64],
-    /// Inputs at the middle.
-    pub(crate) inputs: &'a [f64],
-    /// Time at the middle (s).
-    pub(crate) t: f64,
-    /// Step (s).
-    pub(crate) h: f64,
-    /// Relative tolerance on momenta.
-    pub(crate) tolerance: f64,
-    /// What past steps add to the rates of internal coordinates.
-    pub(crate) past: &'a [f64],
-    /// Guess of the increment, replaced by the increment.
-    pub(crate) delta: &'a mut [f64],
-    /// Receives the force at the midpoint.
-    pub(crate) force: &'a mut [f64],
-    /// Newton iterations of the slowest block.
-    pub(crate) iterations: usize,
-    /// Whether a block has not converged, so that the run must step by itself.
-    pub(crate) failed: bool,
+/// Steps of all vectors, shape by shape.
+pub(super) struct LaneStep<'a> {
+    vectors: &'a mut [Vector],
+    /// Vectors and shapes that have been seen.
+    next: usize,
+    shapes: usize,
+    /// Motions of the runs.
+    courses: &'a [Courses<'a>],
+    /// Increments that the lanes remember.
+    known: usize,
+    /// Steps that are taken one after the other; if none, one step is found but states do not move.
+    stretch: Option<usize>,
+    /// Runs that could not step, as bits.
+    pub(super) failed: u8,
+    /// Newton iterations by run.
+    pub(super) iterations: [usize; RUNS],
+    is_complete: bool,
 }
 
-/// A step of up to [`RUNS`] runs of one model.
-pub(crate) struct LaneStep<'a, 'b> {
-    runs: &'b mut [LaneRun<'a>],
-    schedule: Schedule<'b>,
-}
-
-impl<'a, 'b> LaneStep<'a, 'b> {
-    /// A step of `runs`, whose parameters bear the given stamps.
-    pub(crate) fn new(
-        runs: &'b mut [LaneRun<'a>],
-        revisions: &[u64],
-        constants: &'b mut LaneConstants,
+impl<'a> LaneStep<'a> {
+    pub(super) fn new(
+        vectors: &'a mut [Vector],
+        courses: &'a [Courses<'a>],
+        known: usize,
+        stretch: Option<usize>,
     ) -> Self {
-        LaneStep { runs, schedule: Schedule::new(revisions, constants) }
+        LaneStep {
+            courses,
+            stretch,
+            is_complete: !vectors.is_empty(),
+            vectors,
+            next: 0,
+            shapes: 0,
+            known,
+            failed: 0,
+            iterations: [0; RUNS],
+        }
     }
 }
 
-impl LaneVisitor for LaneStep<'_, '_> {
+impl LaneVisitor for LaneStep<'_> {
     #[inline]
     fn blocks<
         'c,
@@ -64,36 +65,39 @@ impl LaneVisitor for LaneStep<'_, '_> {
         const U: usize,
     >(
         &mut self,
-        places: &[Place<Q, S, U>],
-        constants: impl Fn(usize) -> &'c [f64],
+        _places: &[Place<Q, S, U>],
+        _constants: impl Fn(usize) -> &'c [f64],
     ) {
-        let runs = &mut *self.runs;
-        self.schedule.vectors::<Sh, N, M, Q, S, U>(
-            runs.len(),
-            places,
-            constants,
-            |jobs, used, constants| {
-                call(StepVector::<Sh, N, M, Q, S, U> {
-                    runs,
-                    places,
-                    jobs,
-                    used,
-                    constants,
-                    shape: PhantomData,
-                })
-            },
-        );
+        let shape = self.shapes;
+        self.shapes += 1;
+        while let Some(vector) = self.vectors.get_mut(self.next)
+            && vector.shape == shape
+            && self.is_complete
+        {
+            self.next += 1;
+            let (width, courses, shape) = (vector.width, self.courses, PhantomData);
+            let (known, stretch) = (self.known, self.stretch);
+            let vector = &mut *vector;
+            self.is_complete = call(
+                width,
+                StepVector::<Sh, N, M, Q, S, U> { vector, courses, known, stretch, shape },
+            );
+            let vector = &self.vectors[self.next - 1];
+            for (lane, &run) in vector.runs[..vector.used].iter().enumerate() {
+                self.iterations[run] = self.iterations[run].max(vector.iterations);
+                self.failed |= (vector.failed >> lane & 1) << run;
+            }
+        }
     }
 
     fn is_complete(&self) -> bool {
-        !self.schedule.unavailable
+        self.is_complete
     }
 }
 
-/// The step in one vector.
+/// The steps in one vector.
 struct StepVector<
     'v,
-    'a,
     Sh,
     const N: usize,
     const M: usize,
@@ -101,11 +105,10 @@ struct StepVector<
     const S: usize,
     const U: usize,
 > {
-    runs: &'v mut [LaneRun<'a>],
-    places: &'v [Place<Q, S, U>],
-    jobs: &'v Jobs,
-    used: usize,
-    constants: &'v [f64],
+    vector: &'v mut Vector,
+    courses: &'v [Courses<'v>],
+    known: usize,
+    stretch: Option<usize>,
     shape: PhantomData<Sh>,
 }
 
@@ -116,64 +119,147 @@ impl<
     const Q: usize,
     const S: usize,
     const U: usize,
-> Work for StepVector<'_, '_, Sh, N, M, Q, S, U>
+> Work for StepVector<'_, Sh, N, M, Q, S, U>
 {
     #[inline(always)]
     fn run<L: Lane>(self) {
-        let (constants, sizes) = self.constants.split_at(Sh::CONSTANTS * L::WIDTH);
-        // Loops, not closures over `L`: what is not inlined is not made of the vector's instructions.
-        let zero = L::splat(0.0);
-        let mut start = Start::<L, N, Q, S, U> {
-            q: [zero; Q],
-            delta: [zero; Q],
-            p: [zero; N],
-            t: zero,
-            h: zero,
-            rest: [zero; S],
-            inputs: [zero; U],
-            size: [zero; N],
-            past: [zero; N],
-            tolerance: zero,
-        };
-        let lanes = self.jobs.map(|(run, block)| (&self.runs[run], &self.places[block]));
-        macro_rules! of {
-            ($run:ident, $place:ident: $number:expr) => {
-                L::from_lanes(|lane| {
-                    let ($run, $place) = lanes[lane];
-                    $number
-                })
-            };
-        }
-        for i in 0..Q {
-            start.q[i] = of!(run, place: run.q[place.coordinates[i]]);
-            start.delta[i] = of!(run, place: run.delta[place.coordinates[i]]);
-        }
-        for i in 0..N {
-            start.p[i] = of!(run, place: run.p[place.coordinates[i]]);
-            start.size[i] = L::load(&sizes[i * L::WIDTH..]);
-        }
-        for &i in Sh::INTERNAL {
-            start.past[i] = of!(run, place: run.past[place.coordinates[i]]);
-        }
-        for i in 0..S {
-            start.rest[i] = of!(run, place: run.rest[place.strands[i]]);
-        }
-        for i in 0..U {
-            start.inputs[i] = of!(run, place: run.inputs[place.inputs[i]]);
-        }
-        start.t = of!(run, _place: run.t);
-        start.h = of!(run, _place: run.h);
-        start.tolerance = of!(run, _place: run.tolerance);
-        let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants);
-        for (lane, &(run, block)) in self.jobs[..self.used].iter().enumerate() {
-            let (run, place) = (&mut self.runs[run], &self.places[block]);
-            for i in 0..N {
-                let c = place.coordinates[i];
-                run.delta[c] = end.delta[i].lane(lane);
-                run.force[c] = end.force[i].lane(lane);
+        let StepVector { vector, courses, known, stretch, .. } = self;
+        let h = L::load(&vector.h);
+        vector.iterations = 0;
+        for k in 0..stretch.unwrap_or(1) {
+            if k > 0 {
+                let (begin, end) = ((known + k) as f64, (known + k + 1) as f64);
+                let both = L::splat(begin) * h + L::splat(end) * h;
+                (L::splat(0.5) * both).store(&mut vector.t);
             }
-            run.iterations = run.iterations.max(end.iterations);
-            run.failed |= end.failed >> lane & 1 == 1;
+            let t = L::load(&vector.t);
+            vector.move_courses(t, courses);
+            measure::<L, Sh, N, M, Q, S, U>(vector, t);
+            step::<L, Sh, N, M, Q, S, U>(vector, known + k, [t, h]);
+            if vector.failed != 0 {
+                break;
+            }
+            if stretch.is_some() {
+                advance_lanes::<L>(vector, 0, known + k, [L::WIDTH, N]);
+            }
         }
+    }
+}
+
+/// Finds the step at hand.
+// Loops, not closures over `L`: what is not inlined is not made of the vector's instructions.
+#[inline(always)]
+fn step<
+    L: Lane,
+    Sh: Shape<N, M, Q, S, U>,
+    const N: usize,
+    const M: usize,
+    const Q: usize,
+    const S: usize,
+    const U: usize,
+>(
+    vector: &mut Vector,
+    known: usize,
+    [t, h]: [L; 2],
+) {
+    let q = load::<L, Q>(&vector.q);
+    for &i in Sh::INTERNAL {
+        let last = L::load(&vector.differences[i * L::WIDTH..]);
+        let v = L::load(&vector.v[i * L::WIDTH..]);
+        internal::past(known, last, v, h).store(&mut vector.past[i * L::WIDTH..]);
+    }
+    let mut delta = [L::splat(0.0); Q];
+    let guessed: [L; N] = match known {
+        0 | 1 => {
+            let mut increments = load(&vector.v);
+            for i in 0..N {
+                increments[i] = increments[i] * h;
+            }
+            increments
+        }
+        known => foretell::<L, N>(vector, known),
+    };
+    delta[..N].copy_from_slice(&guessed);
+    for i in N..Q {
+        delta[i] = L::load(&vector.ends[(i - N) * L::WIDTH..]) - q[i];
+    }
+    let start = Start::<L, N, Q, S, U> {
+        q,
+        delta,
+        p: load(&vector.p),
+        t,
+        h,
+        rest: load(&vector.rest),
+        inputs: load(&vector.inputs),
+        size: load(&vector.size),
+        per_size: load(&vector.per_size),
+        tolerance: L::load(&vector.tolerance),
+        past: load(&vector.past),
+    };
+    let mut balances = vector
+        .has_balances
+        .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
+    if vector.made_for != vector.h {
+        vector.renewal.forget();
+    }
+    let serves = !vector.renewal.begin(vector.h[0]);
+    let Vector { constants, inverse, mass, sensitivity, .. } = &mut *vector;
+    let mut kept = Kept { inverse, mass, sensitivity, serves };
+    let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
+    let serves = kept.serves;
+    if end.matrices > 0 {
+        vector.renewal.made(vector.h[0]);
+        vector.made_for = vector.h;
+    }
+    vector.renewal.end(end.iterations);
+    if !serves {
+        vector.renewal.forget();
+    }
+    if let Some(balances) = balances {
+        store(&balances.stiffest, &mut vector.stiffest);
+    }
+    let mut delta = [L::splat(0.0); N];
+    delta.copy_from_slice(&end.delta[..N]);
+    store(&delta, &mut vector.delta);
+    store(&end.force, &mut vector.force);
+    vector.failed = end.failed;
+    vector.iterations += end.iterations;
+}
+
+/// Measures the natural lengths of strands that follow motions.
+#[inline(always)]
+fn measure<
+    L: Lane,
+    Sh: Shape<N, M, Q, S, U>,
+    const N: usize,
+    const M: usize,
+    const Q: usize,
+    const S: usize,
+    const U: usize,
+>(
+    vector: &mut Vector,
+    t: L,
+) {
+    for course in &mut vector.courses {
+        if !course.is_due() {
+            continue;
+        }
+        let passed = (t - L::load(&course.begins)) * L::load(&course.per_duration);
+        let (_, cosine) = (L::splat(std::f64::consts::PI) * passed).sin_cos();
+        let weight = L::splat(0.5) * (L::splat(1.0) - cosine);
+        let (mut pose, change) = (load::<L, Q>(&course.from), load::<L, Q>(&course.change));
+        for i in 0..Q {
+            pose[i] = change[i].mul_add(weight, pose[i]);
+        }
+        // A strand that spans no block stays unmeasured, which no step survives.
+        let mut lengths = [L::splat(f64::NAN); S];
+        Sh::lengths(&pose, &vector.constants, &mut lengths);
+        let mut rest = load::<L, S>(&vector.rest);
+        let followers = &course.followers[..S];
+        for i in 0..S {
+            rest[i] = L::choose(followers[i], lengths[i], rest[i]);
+        }
+        store(&rest, &mut vector.rest);
+        course.is_measured = true;
     }
 }

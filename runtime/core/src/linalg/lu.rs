@@ -87,7 +87,7 @@ impl Lu {
     /// Factors in place. The factors are useless if the smallest pivot is zero or not finite.
     pub fn factor(&mut self) -> Pivots {
         let mut pivots = Pivots::NONE;
-        if self.n < LANES_FROM || !call(Factor { lu: &mut *self, pivots: &mut pivots }) {
+        if self.n < LANES_FROM || !call(4, Factor { lu: &mut *self, pivots: &mut pivots }) {
             pivots = self.factor_on::<f64>();
         }
         pivots
@@ -111,7 +111,7 @@ impl Lu {
 
     /// Solves A x = b; `x` holds b on entry.
     pub fn solve(&mut self, x: &mut [f64]) {
-        if self.n < LANES_FROM || !call(Solve { lu: &mut *self, x: &mut *x }) {
+        if self.n < LANES_FROM || !call(4, Solve { lu: &mut *self, x: &mut *x }) {
             self.solve_on::<f64>(x);
         }
     }
@@ -382,7 +382,7 @@ mod tests {
             }
             let mut plain = many.clone();
             lu.solve_rows::<f64>(&mut plain, columns);
-            if !call(Rows(&mut lu, &mut many, columns)) {
+            if !call(4, Rows(&mut lu, &mut many, columns)) {
                 many.clone_from(&plain);
             }
             for column in 0..columns {

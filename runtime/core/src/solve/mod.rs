@@ -228,7 +228,7 @@ impl BlockSystem {
         }
         self.method = Method::Regular;
         self.take(matrix, g0, g1);
-        if !call(Factor(self)) {
+        if !call(4, Factor(self)) {
             Factor(self).run::<f64>();
         }
         if !(self.range.smallest > SMALL_PIVOT) {
@@ -334,7 +334,7 @@ impl BlockSystem {
             return;
         }
         if self.method == Method::Regular {
-            if !call(Solve(self, &mut *step, &mut *lambda)) {
+            if !call(4, Solve(self, &mut *step, &mut *lambda)) {
                 Solve(self, step, lambda).run::<f64>();
             }
             return;

@@ -119,9 +119,9 @@ impl Stepper {
             }
         }
         // Where its strands go slack nothing is left of a balance's stiffness but what it has been.
-        for (&c, stiffest) in self.static_list.iter().zip(&mut self.stiffest) {
-            *stiffest = stiffest.max(self.sensitivity[c]);
-            self.sensitivity[c] = BALANCE * *stiffest;
+        for &c in &self.static_list {
+            self.stiffest[c] = self.stiffest[c].max(self.sensitivity[c]);
+            self.sensitivity[c] = BALANCE * self.stiffest[c];
         }
     }
 

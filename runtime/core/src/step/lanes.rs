@@ -1,106 +1,156 @@
-//! Steps on lanes, by one run alone or by several together.
+//! Steps on lanes, by one run alone.
 
 use super::{State, Stepper, Surroundings};
-use crate::lane::Lane;
-use crate::lane::sweep::{Sweep, sweep};
-use crate::lanes::{LaneConstants, LaneRun, LaneStep};
+use crate::lanes::{Around, Courses, Lanes, Outcome, TakenUp};
 use crate::model::Model;
 
+/// Steps for which lanes are left alone after they have failed, at most.
+const LONGEST_PAUSE: usize = 64;
+
+/// What a stepper keeps of its run on lanes.
+#[derive(Clone, Debug)]
+pub(super) struct OnLanes {
+    lanes: Lanes,
+    /// Whether every block is free of constraints and of drives, and lanes are not known to be missing.
+    is_possible: bool,
+    /// The state that the lanes hold: its step, coordinates and momenta. A state that differs, which
+    /// someone may have changed, is taken up anew.
+    held: (Option<usize>, Vec<f64>, Vec<f64>),
+    /// Before which step lanes are not tried again, and how long the last pause was.
+    pause_until: usize,
+    pause: usize,
+}
+
+impl OnLanes {
+    pub(super) fn new(lanes: Lanes, is_possible: bool) -> Self {
+        OnLanes {
+            lanes,
+            is_possible,
+            held: (None, Vec::new(), Vec::new()),
+            pause_until: 0,
+            pause: 0,
+        }
+    }
+
+    fn holds(&self, state: &State) -> bool {
+        self.held.0 == Some(state.step) && self.held.1 == state.q && self.held.2 == state.p
+    }
+
+    fn hold(&mut self, state: &State) {
+        self.held.0 = Some(state.step);
+        self.held.1.clone_from(&state.q);
+        self.held.2.clone_from(&state.p);
+    }
+}
+
 impl Stepper {
-    /// Whether lanes have not been found wanting yet.
-    pub(crate) fn is_on_lanes(&self) -> bool {
-        self.on_lanes
+    /// Whether lanes may take the next step.
+    pub(crate) fn may_use_lanes(&self, state: &State) -> bool {
+        self.on_lanes.is_possible && state.step >= self.on_lanes.pause_until
+    }
+
+    /// The lanes of this run.
+    pub(crate) fn lanes(&mut self) -> &mut Lanes {
+        &mut self.on_lanes.lanes
+    }
+
+    /// What lanes need to know of the world.
+    pub(crate) fn around_on_lanes<'a>(
+        &self,
+        state: &State,
+        around: &Surroundings<'a>,
+    ) -> Around<'a> {
+        Around {
+            t: 0.5 * (state.t + around.t1),
+            h: around.h,
+            tolerance: self.tolerance,
+            rest: around.rest,
+            inputs: around.inputs,
+            driven_q: around.driven_q,
+        }
+    }
+
+    /// Takes up to `count` steps on lanes, more than one only where nothing is to be handed over between
+    /// them, and returns how many: none, with the state untouched, where the model or the machine has
+    /// no lanes, or where Newton's method needs more than they can do. Then there is time to pass and
+    /// the state to be held.
+    pub(crate) fn steps_on_lanes<M: Model>(
+        &mut self,
+        model: &M,
+        state: &mut State,
+        around: &Surroundings,
+        courses: Courses,
+        count: usize,
+    ) -> usize {
+        if !self.may_use_lanes(state) {
+            return 0;
+        }
+        let on_lane = [self.around_on_lanes(state, around)];
+        let on_lanes = &mut self.on_lanes;
+        if !on_lanes.lanes.arrange(&[model]) || !on_lanes.holds(state) {
+            let (missed, stiffest) = (&self.predictor.missed, &self.stiffest[..]);
+            on_lanes.lanes.take_up(&[TakenUp { state, missed, stiffest }], &on_lane);
+        }
+        on_lanes.lanes.feed(&on_lane);
+        match on_lanes.lanes.step(&[model], &[courses], count) {
+            Outcome::Unavailable => {
+                on_lanes.is_possible = false;
+                0
+            }
+            Outcome::Stepped(taken) => {
+                on_lanes.pause = 0;
+                self.iterations += on_lanes.lanes.iterations(0);
+                on_lanes.lanes.write_state(0, state);
+                taken
+            }
+            Outcome::Failed(_) => {
+                let (missed, stiffest) = (&mut self.predictor.missed, &mut self.stiffest[..]);
+                on_lanes.lanes.write_experience(0, state, missed, stiffest);
+                self.pause_lanes(state);
+                0
+            }
+        }
+    }
+
+    /// The lanes hold this state, to which they have led.
+    pub(crate) fn hold(&mut self, state: &State) {
+        self.on_lanes.hold(state);
     }
 
     /// From now on this run steps number by number.
     pub(crate) fn leave_lanes(&mut self) {
-        self.on_lanes = false;
+        self.on_lanes.is_possible = false;
     }
 
-    /// Constants laid out for lanes, for others who work on the same model's lanes.
-    pub(crate) fn lane_constants(&mut self) -> &mut LaneConstants {
-        &mut self.lane_constants
+    /// This run as lanes take it up.
+    pub(crate) fn taken_up<'a>(&'a self, state: &'a State) -> TakenUp<'a> {
+        TakenUp { state, missed: &self.predictor.missed, stiffest: &self.stiffest }
     }
 
-    /// What lanes need of this run, its guess made; and the constants that it has laid out.
-    pub(crate) fn lane_run<'a>(
-        &'a mut self,
-        state: &'a State,
-        around: &Surroundings<'a>,
-    ) -> (LaneRun<'a>, &'a mut LaneConstants) {
-        self.guess(0, state, around);
-        let run = LaneRun {
-            q: &state.q,
-            p: &state.p,
-            rest: around.rest,
-            inputs: around.inputs,
-            t: 0.5 * (state.t + around.t1),
-            h: around.h,
-            tolerance: self.tolerance,
-            past: &self.past,
-            delta: &mut self.delta,
-            force: &mut self.force,
-            iterations: 0,
-            failed: false,
-        };
-        (run, &mut self.lane_constants)
+    /// Writes a state that has stepped on the lanes of several runs, and what its guesses are made of.
+    pub(crate) fn write_back(&mut self, lanes: &Lanes, lane: usize, state: &mut State) {
+        lanes.write_state(lane, state);
+        lanes.write_experience(lane, state, &mut self.predictor.missed, &mut self.stiffest);
+        self.on_lanes.held.0 = None;
     }
 
-    /// Takes the step on lanes; `false` where the model or the machine has none, or where Newton's
-    /// method needs more than lanes can do together.
-    pub(super) fn step_on_lanes<M: Model>(
-        &mut self,
-        model: &mut M,
-        state: &mut State,
-        around: &Surroundings,
-    ) -> bool {
-        let (run, constants) = self.lane_run(state, around);
-        let mut runs = [run];
-        let mut step = LaneStep::new(&mut runs, &[model.revision()], constants);
-        let complete = M::on_lanes(&[model], &mut step);
-        let [LaneRun { iterations, failed, .. }] = runs;
-        if !complete {
-            self.leave_lanes();
-            return false;
+    /// After lanes have failed in a step: the next ones are taken number by number, twice as many as
+    /// the last time.
+    pub(crate) fn pause_lanes(&mut self, state: &State) {
+        let on_lanes = &mut self.on_lanes;
+        on_lanes.held.0 = None;
+        on_lanes.pause_until = state.step + 1 + on_lanes.pause;
+        on_lanes.pause = (2 * on_lanes.pause).clamp(1, LONGEST_PAUSE);
+    }
+
+    /// Moves kinematic coordinates and time on, after lanes have moved the others.
+    pub(crate) fn pass_time(&self, state: &mut State, around: &Surroundings) {
+        for &c in &self.driven_list {
+            let end = around.driven_q[c];
+            state.v[c] = (end - state.q[c]) / around.h;
+            (state.q[c], state.p[c]) = (end, 0.0);
         }
-        self.iterations += iterations;
-        if !failed {
-            self.accept_increment(state, around);
-        }
-        !failed
-    }
-
-    /// Puts the state at the end of the step, p1 = p0 + h·f.
-    pub(crate) fn accept_increment(&mut self, state: &mut State, around: &Surroundings) {
-        let count = self.delta.len();
-        let (State { q, v, p, .. }, delta, force) = (&mut *state, &self.delta, &self.force);
-        sweep(count, &mut Accept { q, v, p, delta, force, h: around.h });
-        for &i in &self.driven_list {
-            (state.q[i], state.p[i]) = (around.driven_q[i], 0.0);
-        }
-        self.rest_statics(state, around.h);
-        self.predictor.learn(state.step, &self.delta, &mut state.differences);
         state.t = around.t1;
         state.step += 1;
-    }
-}
-
-/// The end of a step by its increment and force.
-struct Accept<'a> {
-    q: &'a mut [f64],
-    v: &'a mut [f64],
-    p: &'a mut [f64],
-    delta: &'a [f64],
-    force: &'a [f64],
-    h: f64,
-}
-
-impl Sweep for Accept<'_> {
-    #[inline(always)]
-    fn at<L: Lane>(&mut self, i: usize) {
-        let (delta, h) = (L::load(&self.delta[i..]), L::splat(self.h));
-        (L::load(&self.q[i..]) + delta).store(&mut self.q[i..]);
-        (delta / h).store(&mut self.v[i..]);
-        h.mul_add(L::load(&self.force[i..]), L::load(&self.p[i..])).store(&mut self.p[i..]);
     }
 }

@@ -20,13 +20,14 @@ mod report;
 
 use crate::error::StepError;
 use crate::internal;
-use crate::lanes::LaneConstants;
+use crate::lanes::{Courses, EvaluationConstants, Kinds, Lanes};
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
-use crate::predict::{Differences, Predictor};
+use crate::predict::{DEGREES, Differences, Predictor};
 use crate::solve::{BlockSystem, Pulls, spans};
 use crate::system::System;
-use renewal::Renewal;
+use lanes::OnLanes;
+pub(crate) use renewal::Renewal;
 
 /// Gaps of constraints below this many units of rounding of the coordinates are closed.
 const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
@@ -36,7 +37,7 @@ const GAP_FLOOR: f64 = 1.0 * f64::EPSILON;
 pub(crate) const FLOOR: f64 = 0.3 * f64::EPSILON;
 /// Forces in balance cancel, and their rounding with them: how much more than that of the coordinates
 /// is left.
-const BALANCE: f64 = 16.0;
+pub(crate) const BALANCE: f64 = 16.0;
 /// A Newton correction below this, relative to its coordinate, that hardly lowers the residual has
 /// reached the floor.
 pub(crate) const STAGNATION: f64 = 1e-12;
@@ -65,19 +66,19 @@ pub struct State {
     /// Multipliers of the step just ended (impulses).
     pub lambda: Vec<f64>,
     /// Of which Newton's start is made.
-    differences: Differences,
+    pub(crate) differences: Differences,
 }
 
 impl State {
     /// A state at time zero.
     pub fn new(q: Vec<f64>, p: Vec<f64>, v: Vec<f64>, rows: usize) -> Self {
-        let differences = std::array::from_fn(|_| vec![0.0; q.len()]);
+        let differences = vec![0.0; DEGREES * q.len()];
         State { step: 0, t: 0.0, q, p, v, lambda: vec![0.0; rows], differences }
     }
 
     /// Increment of a coordinate in the step just ended.
     pub(crate) fn last_increment(&self, c: usize) -> f64 {
-        self.differences[0][c]
+        self.differences[c]
     }
 }
 
@@ -141,21 +142,20 @@ pub struct Stepper {
     driven_list: Vec<usize>,
     /// The coordinates in static equilibrium, by index.
     static_list: Vec<usize>,
-    /// The largest sensitivity of each of their equations so far.
+    /// The largest sensitivity of each of their equations so far; zero for others.
     stiffest: Vec<f64>,
     /// The internal ones.
     internal_list: Vec<usize>,
     /// What past steps add to the rates of internal coordinates; zero for others.
     past: Vec<f64>,
-    /// Whether every block is free of constraints and of drives, so that lanes can take the step.
-    on_lanes: bool,
+    on_lanes: OnLanes,
     /// Whether the equations are evaluated on lanes where the step is not taken there.
     evaluates_on_lanes: bool,
     /// What constraints do to coordinates; unknown before the first step.
     pulls: Pulls,
     structure_seen: bool,
     renewal: Renewal,
-    lane_constants: LaneConstants,
+    lane_constants: EvaluationConstants,
 }
 
 /// How an attempt from one guess ended.
@@ -182,10 +182,17 @@ impl Stepper {
         let statics = layout.statics(driven);
         let blocks: Vec<BlockSystem> =
             layout.blocks.iter().map(|b| BlockSystem::new(b, driven, &statics)).collect();
+        let is_static = (0..n).map(|c| statics.contains(&c)).collect();
+        let internals = layout.internals(driven);
+        let is_internal = (0..n).map(|c| internals.contains(&c)).collect();
+        let lanes = Lanes::new(Kinds { size: floor_scale.clone(), is_static, is_internal });
+        let is_free = layout.rows.is_empty()
+            && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c]));
+        let predictor = Predictor::new(&floor_scale, driven);
         Stepper {
             blocks,
             driven: driven.to_vec(),
-            floor_scale: floor_scale.clone(),
+            floor_scale,
             tolerance,
             iterations: 0,
             delta: vec![0.0; n],
@@ -212,19 +219,18 @@ impl Stepper {
             newton: vec![0.0; n],
             newton_lambda: vec![0.0; m],
             condition: f64::NAN,
-            predictor: Predictor::new(&floor_scale, driven),
+            predictor,
             driven_list: (0..n).filter(|&c| driven[c]).collect(),
-            stiffest: vec![0.0; statics.len()],
+            stiffest: vec![0.0; n],
             static_list: statics,
-            internal_list: layout.internals(driven),
+            internal_list: internals,
             past: vec![0.0; n],
-            on_lanes: layout.rows.is_empty()
-                && layout.blocks.iter().all(|b| b.coordinates.iter().all(|&c| !driven[c])),
+            on_lanes: OnLanes::new(lanes, is_free),
             evaluates_on_lanes: true,
             pulls: Pulls::default(),
             structure_seen: false,
             renewal: Renewal::new(0.0),
-            lane_constants: LaneConstants::new(floor_scale),
+            lane_constants: EvaluationConstants::default(),
         }
     }
 
@@ -235,9 +241,22 @@ impl Stepper {
         state: &mut State,
         around: &Surroundings,
     ) -> Result<(), StepError> {
-        if self.on_lanes && self.step_on_lanes(model, state, around) {
+        let nothing_follows = Courses { poses: &[], motions: &[] };
+        if self.steps_on_lanes(model, state, around, nothing_follows, 1) > 0 {
+            self.pass_time(state, around);
+            self.hold(state);
             return Ok(());
         }
+        self.step_by_numbers(model, state, around)
+    }
+
+    /// As [`Stepper::step`], without lanes.
+    pub(crate) fn step_by_numbers<M: Model>(
+        &mut self,
+        model: &mut M,
+        state: &mut State,
+        around: &Surroundings,
+    ) -> Result<(), StepError> {
         let before = self.iterations;
         self.see_structure(model, state);
         if !self.lambda.is_empty() {
@@ -299,7 +318,8 @@ impl Stepper {
 
     fn guess(&mut self, number: usize, state: &State, around: &Surroundings) {
         for &c in &self.internal_list {
-            self.past[c] = internal::past(state, c, around.h);
+            let (last, v) = (state.last_increment(c), state.v[c]);
+            self.past[c] = internal::past(state.step, last, v, around.h);
         }
         let rate = match number {
             0 if state.step >= 2 => {

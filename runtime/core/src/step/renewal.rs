@@ -15,7 +15,7 @@ const LONGEST_PAUSE: usize = 64;
 
 /// Keeps count of what the factors at hand have cost.
 #[derive(Clone, Debug)]
-pub(super) struct Renewal {
+pub(crate) struct Renewal {
     /// Corrections that cost as much as new factors.
     price: f64,
     /// Step (s) for which the factors at hand were made; `None` without any.
@@ -34,7 +34,7 @@ pub(super) struct Renewal {
 
 impl Renewal {
     /// Where new factors cost as much as so many corrections.
-    pub(super) fn new(price: f64) -> Self {
+    pub(crate) fn new(price: f64) -> Self {
         Renewal {
             price,
             made_for: None,
@@ -48,7 +48,7 @@ impl Renewal {
     }
 
     /// A step of size h begins. Returns whether it is to make new factors.
-    pub(super) fn begin(&mut self, h: f64) -> bool {
+    pub(crate) fn begin(&mut self, h: f64) -> bool {
         let is_due = self.spent as f64 >= self.price || self.left > 0;
         self.is_trial = self.made_for == Some(h) && !is_due;
         self.serves = true;
@@ -56,18 +56,18 @@ impl Renewal {
     }
 
     /// There are new factors, for steps of size h.
-    pub(super) fn made(&mut self, h: f64) {
+    pub(crate) fn made(&mut self, h: f64) {
         (self.made_for, self.fewest, self.spent) = (Some(h), usize::MAX, 0);
         self.serves = false;
     }
 
     /// The factors are not to be used again.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.made_for = None;
     }
 
     /// The step ends; it took so many corrections with the factors at hand.
-    pub(super) fn end(&mut self, corrections: usize) {
+    pub(crate) fn end(&mut self, corrections: usize) {
         self.fewest = self.fewest.min(corrections);
         self.spent += corrections - self.fewest;
         if !self.is_trial {
@@ -88,7 +88,7 @@ impl Renewal {
     /// Whether going on with the factors at hand costs less than new ones. `merits` are the largest
     /// residuals, in units of their tolerance, before the last two corrections and now; not a number
     /// where there was but one.
-    pub(super) fn goes_on(&self, [first, before, now]: [f64; 3]) -> bool {
+    pub(crate) fn goes_on(&self, [first, before, now]: [f64; 3]) -> bool {
         if first.is_nan() && self.price > MANY {
             return now < 10.0 * before;
         }

@@ -1,60 +1,37 @@
-//! Four lanes in an AVX register. The one place with `unsafe`: the instructions exist only on
-//! processors that have them, so the type is private to this crate and every value of it lives
-//! inside [`call`], which asks the processor first.
+//! Four lanes in a register of AVX2.
+
 #![allow(unsafe_code)]
 
-use super::sealed::Sealed;
+use super::vector::{methods, operators};
 use super::{Lane, Work};
 use std::arch::x86_64::*;
-use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Four numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct X4(__m256d);
 
-/// Does the work on four lanes if the processor has AVX2 and FMA; `false` if not.
-#[inline]
-pub(crate) fn call(work: impl Work) -> bool {
-    if !(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")) {
-        return false;
-    }
-    // SAFETY: both features have just been found.
-    unsafe { with_instructions(work) };
-    true
-}
-
+/// Does the work on four lanes.
+///
+/// # Safety
+/// The processor must have AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
-fn with_instructions(work: impl Work) {
+pub(super) fn with_four(work: impl Work) {
     work.run::<X4>();
 }
 
-impl Sealed for X4 {}
-
-macro_rules! operators {
-    ($($operator:ident $method:ident $instruction:ident;)*) => {$(
-        impl $operator for X4 {
-            type Output = X4;
-            #[inline(always)]
-            fn $method(self, other: X4) -> X4 {
-                // SAFETY: values of this type exist only where the instructions do.
-                X4(unsafe { $instruction(self.0, other.0) })
-            }
-        }
-    )*};
-}
-
 operators! {
+    X4:
     Add add _mm256_add_pd;
     Sub sub _mm256_sub_pd;
     Mul mul _mm256_mul_pd;
     Div div _mm256_div_pd;
 }
 
-impl Neg for X4 {
+impl std::ops::Neg for X4 {
     type Output = X4;
     #[inline(always)]
     fn neg(self) -> X4 {
-        // SAFETY: as above.
+        // SAFETY: as of the operators.
         X4(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
     }
 }
@@ -76,62 +53,23 @@ static MASKS: [[u64; 4]; 16] = {
     masks
 };
 
-// SAFETY of every block below: values of this type exist only inside `call`, where the processor
-// has the instructions; loads are unaligned and stay within the slice that was checked.
+// SAFETY of every block below: values of this type exist only within `with_four`, where the
+// processor has the instructions; loads are unaligned and stay within the slice that was checked.
 impl Lane for X4 {
-    const WIDTH: usize = 4;
-
-    #[inline(always)]
-    fn splat(x: f64) -> X4 {
-        X4(unsafe { _mm256_set1_pd(x) })
+    methods! {
+        X4, 4:
+        _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd
+        _mm256_fmadd_pd _mm256_fmsub_pd _mm256_fnmadd_pd
+        _mm256_sqrt_pd _mm256_min_pd _mm256_max_pd
     }
+
     #[inline(always)]
     fn from_lanes(of: impl Fn(usize) -> f64) -> X4 {
         X4(unsafe { _mm256_setr_pd(of(0), of(1), of(2), of(3)) })
     }
     #[inline(always)]
-    fn load(from: &[f64]) -> X4 {
-        let four = &from[..4];
-        X4(unsafe { _mm256_loadu_pd(four.as_ptr()) })
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        let four = &mut to[..4];
-        unsafe { _mm256_storeu_pd(four.as_mut_ptr(), self.0) };
-    }
-    #[inline(always)]
-    fn lane(self, index: usize) -> f64 {
-        let mut four = [0.0; 4];
-        unsafe { _mm256_storeu_pd(four.as_mut_ptr(), self.0) };
-        four[index]
-    }
-    #[inline(always)]
-    fn mul_add(self, b: X4, c: X4) -> X4 {
-        X4(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
-    }
-    #[inline(always)]
-    fn mul_sub(self, b: X4, c: X4) -> X4 {
-        X4(unsafe { _mm256_fmsub_pd(self.0, b.0, c.0) })
-    }
-    #[inline(always)]
-    fn neg_mul_add(self, b: X4, c: X4) -> X4 {
-        X4(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) })
-    }
-    #[inline(always)]
-    fn sqrt(self) -> X4 {
-        X4(unsafe { _mm256_sqrt_pd(self.0) })
-    }
-    #[inline(always)]
     fn abs(self) -> X4 {
         X4(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
-    }
-    #[inline(always)]
-    fn min(self, other: X4) -> X4 {
-        X4(unsafe { _mm256_min_pd(self.0, other.0) })
-    }
-    #[inline(always)]
-    fn max(self, other: X4) -> X4 {
-        X4(unsafe { _mm256_max_pd(self.0, other.0) })
     }
     #[inline(always)]
     fn less(self, other: X4) -> u8 {

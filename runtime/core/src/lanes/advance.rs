@@ -1,0 +1,84 @@
+//! The end of a step on lanes: states move on by the increments and forces that were found.
+
+use super::vector::Vector;
+use crate::lane::{Lane, Work, call};
+use crate::predict::{DEGREES, FADING, shift};
+
+/// Moves all vectors on in the runs whose bits are not set.
+pub(super) fn advance(vectors: &mut [Vector], known: usize, failed: u8) {
+    if failed != 0 || !call(4, Advance { vectors: &mut *vectors, known, failed }) {
+        Advance { vectors, known, failed }.run::<f64>();
+    }
+}
+
+struct Advance<'a> {
+    vectors: &'a mut [Vector],
+    /// Increments that the differences are made of.
+    known: usize,
+    failed: u8,
+}
+
+impl Work for Advance<'_> {
+    /// Some neighbouring lanes at a time, whatever the width of the vectors.
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        for vector in self.vectors {
+            for lane in (0..vector.width).step_by(L::WIDTH) {
+                if self.failed >> vector.runs[lane] & 1 == 0 {
+                    let counts = [vector.width, vector.unknowns];
+                    advance_lanes::<L>(vector, lane, self.known, counts);
+                }
+            }
+        }
+    }
+}
+
+/// q1 = q0 + Δq and p1 = p0 + h·f; a coordinate in static equilibrium or internal is left at the
+/// middle of the step, where its equation was solved, and carries no momentum. Width of the vector and
+/// number of unknowns are told, since those who know them when they are compiled need no checks.
+#[inline(always)]
+pub(super) fn advance_lanes<L: Lane>(
+    vector: &mut Vector,
+    lane: usize,
+    known: usize,
+    [width, unknowns]: [usize; 2],
+) {
+    let count = unknowns * width;
+    let h = L::load(&vector.h[lane..]);
+    let per_h = L::splat(1.0) / h;
+    let (q, v, p) = (&mut vector.q[..count], &mut vector.v[..count], &mut vector.p[..count]);
+    let (delta, force, past) =
+        (&vector.delta[..count], &vector.force[..count], &vector.past[..count]);
+    let (share, rate) = (&vector.share[..count], &vector.rate[..count]);
+    let per_size = &vector.per_size[..count];
+    let differences = &mut vector.differences[..DEGREES * count];
+    let mut missed = [L::splat(0.0); DEGREES];
+    for i in 0..unknowns {
+        let k = i * width + lane;
+        let (increment, force) = (L::load(&delta[k..]), L::load(&force[k..]));
+        let share = L::load(&share[k..]);
+        share.mul_add(increment, L::load(&q[k..])).store(&mut q[k..]);
+        let rate = L::load(&rate[k..]) * per_h;
+        rate.mul_add(increment, L::load(&past[k..])).store(&mut v[k..]);
+        let is_moving = share + share - L::splat(1.0);
+        let next_p = h.mul_add(force, L::load(&p[k..]));
+        (is_moving * next_p).store(&mut p[k..]);
+        let next = shift(increment, &mut differences[k..], count);
+        let per_size = L::load(&per_size[k..]);
+        for degree in 0..DEGREES {
+            let size = next[degree] * per_size;
+            missed[degree] = size.mul_add(size, missed[degree]);
+        }
+    }
+    let all_missed = &mut vector.missed[..DEGREES * width];
+    for degree in 0..DEGREES {
+        if degree < known {
+            let place = &mut all_missed[degree * width + lane..];
+            let faded = L::splat(if degree + 1 < known { FADING } else { 0.0 }) * L::load(place);
+            (missed[degree] + faded).store(place);
+        }
+    }
+    for k in (count + lane..vector.q.len()).step_by(width) {
+        L::load(&vector.ends[k - count..]).store(&mut vector.q[k..]);
+    }
+}

@@ -1,0 +1,119 @@
+//! A run on lanes, by itself or with others.
+
+use super::{Parts, Simulation, drives};
+use crate::lanes::{Around, Courses, Follows, Lanes, TakenUp};
+use crate::model::Model;
+
+impl<M: Model> Simulation<M> {
+    /// Whether lanes may take the next step.
+    pub(crate) fn may_use_lanes(&self) -> bool {
+        self.stepper.may_use_lanes(&self.state)
+    }
+
+    /// Whether the duration is over.
+    pub(crate) fn is_over(&self) -> bool {
+        self.state.step >= self.steps
+    }
+
+    /// Steps left.
+    pub(crate) fn left(&self) -> usize {
+        self.steps.saturating_sub(self.state.step)
+    }
+
+    /// Whether anything is handed over before every step, so that steps are taken one by one.
+    pub(crate) fn is_told(&self) -> bool {
+        self.is_fed || self.is_driven || self.is_muscular
+    }
+
+    /// Takes up to `count` steps on lanes and returns how many: none, with the state untouched, where
+    /// that cannot be.
+    pub(super) fn steps_on_lanes(&mut self, count: usize) -> usize {
+        if !self.prepare_for_lanes() {
+            return 0;
+        }
+        let count = if self.is_told() { 1 } else { count };
+        let Parts { model, state, stepper, around, courses } = self.parts();
+        let taken = stepper.steps_on_lanes(model, state, &around, courses, count);
+        if taken > 0 {
+            self.pass_time(taken);
+            self.stepper.hold(&self.state);
+            if self.stepper.lanes().leave_followers() {
+                self.follow(self.state.t - 0.5 * self.h);
+            }
+            self.stepper.lanes().write_rest(0, &mut self.rest);
+        }
+        taken
+    }
+
+    /// Feeds what lanes are handed in the next step; they measure what follows motions themselves.
+    /// `false` where the step cannot be taken.
+    pub(crate) fn prepare_for_lanes(&mut self) -> bool {
+        let t1 = self.next_time();
+        if self.is_fed {
+            self.feed_but_follow(0.5 * (self.state.t + t1));
+        }
+        if self.is_driven {
+            drives(&mut self.model, self.scenario, t1, &mut self.driven_q);
+        }
+        !self.is_muscular || self.excitable().is_ok()
+    }
+
+    /// Strands that follow motions on lanes, and strands whose natural lengths never change.
+    pub(super) fn follows(&self) -> Follows {
+        let list = self.scenario.map(|s| &self.layout.scenarios[s].follow[..]).unwrap_or_default();
+        let list = list.iter().map(|follow| (follow.motion, follow.strands.clone())).collect();
+        Follows::new(list, self.layout.strands.iter().map(|strand| !strand.has_rest).collect())
+    }
+
+    /// Lanes for several such runs.
+    pub(crate) fn fresh_lanes(&mut self) -> Lanes {
+        self.stepper.lanes().fresh()
+    }
+
+    /// What the world does to this run in the next step.
+    pub(crate) fn around_on_lanes(&self) -> Around<'_> {
+        self.stepper.around_on_lanes(&self.state, &self.surroundings())
+    }
+
+    /// Poses and motions of this run.
+    pub(crate) fn courses(&self) -> Courses<'_> {
+        Courses { poses: &self.poses, motions: &self.motions }
+    }
+
+    /// This run as shared lanes take it up.
+    pub(crate) fn taken_up(&self) -> TakenUp<'_> {
+        self.stepper.taken_up(&self.state)
+    }
+
+    /// After steps on lanes that are shared: time goes on; the rest of the state stays there.
+    pub(crate) fn pass_on_lanes(&mut self, taken: usize, iterations: usize) {
+        self.stepper.iterations += iterations;
+        self.pass_time(taken);
+    }
+
+    /// After so many steps on lanes.
+    fn pass_time(&mut self, taken: usize) {
+        self.state.step += taken - 1;
+        let Parts { state, stepper, around, .. } = self.parts();
+        stepper.pass_time(state, &around);
+    }
+
+    /// After lanes have failed.
+    pub(crate) fn pause_lanes(&mut self) {
+        self.stepper.pause_lanes(&self.state);
+    }
+
+    /// Where there are no lanes.
+    pub(crate) fn leave_lanes(&mut self) {
+        self.stepper.leave_lanes();
+    }
+
+    /// Writes the state that shared lanes hold.
+    pub(crate) fn write_back(&mut self, lanes: &Lanes, lane: usize) {
+        self.stepper.write_back(lanes, lane, &mut self.state);
+        if lanes.leave_followers() {
+            self.follow(self.state.t - 0.5 * self.h);
+        }
+        lanes.write_rest(lane, &mut self.rest);
+    }
+}
