@@ -62,8 +62,8 @@ pub fn build(folder: &Path, models: &[(Mechanism, usize)]) -> Battery {
 }
 
 impl Battery {
-    /// Asks all requests at once; the answers come in their order.
-    pub fn ask(&self, requests: &[Request]) -> Vec<Vec<Answer>> {
+    /// Asks all requests at once; the answers come in their order. Vectors have at most so many lanes.
+    pub fn ask(&self, requests: &[Request], lanes: usize) -> Vec<Vec<Answer>> {
         let mut text = String::new();
         requests.iter().for_each(|request| write_request(request, &mut text));
         // Several tests may ask at once.
@@ -72,7 +72,8 @@ impl Battery {
         let file = self.folder.join(format!("requests{number}.txt"));
         std::fs::write(&file, text).expect("room for the requests");
         let program = self.folder.join("target/debug/battery");
-        let output = Command::new(program).arg(&file).output().expect("the battery");
+        let output =
+            Command::new(program).arg(&file).arg(lanes.to_string()).output().expect("the battery");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "the battery failed: {said}");
         let text = String::from_utf8(output.stdout).expect("text");
@@ -109,6 +110,8 @@ use std::io::Write;
 
 fn main() {
     let file = std::env::args().nth(1).expect("a file of requests");
+    let lanes = std::env::args().nth(2).and_then(|lanes| lanes.parse().ok()).expect("lanes");
+    handc_core::lane::use_at_most(lanes);
     let text = std::fs::read_to_string(file).expect("requests");
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     for request in &read_requests(&text) {

@@ -82,7 +82,12 @@ impl Stepper {
             let mut evaluation = LaneEvaluation::new(asked, model.revision(), constants);
             M::on_lanes(&[model], &mut evaluation)
         };
-        if !self.evaluates_on_lanes {
+        let is_finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+        // Vectors do without what is rare, such as the sine of an angle beyond measure.
+        let is_done = self.evaluates_on_lanes
+            && is_finite(&self.momentum[..count])
+            && is_finite(&self.force[..count]);
+        if !is_done {
             let (momentum, force) = (&mut self.momentum, &mut self.force);
             match with_matrix {
                 true => model.evaluate_with_matrix(&at, h, momentum, force, &mut self.matrix),
