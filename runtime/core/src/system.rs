@@ -18,8 +18,10 @@ pub type Solve =
 
 /// The system of one block,
 ///
+/// ```text
 /// [ J  −G₀ᵀ ] [ δ ]   [ −r ]
 /// [ G₁   0  ] [ μ ] = [ −c ]
+/// ```
 ///
 /// All vectors are those of the model, indexed by coordinate or row; matrices are packed by block. Only
 /// entries of the block are read or written.

@@ -13,10 +13,18 @@
 //! from the equation itself: of the residual that it takes away, what does not change the momentum
 //! changes the impulse. How wrong that has been for the correction before tells whether it will do.
 
+mod inverse;
+mod scale;
+mod secant;
+
 use crate::internal::RATE;
 use crate::lane::{Lane, load, store};
 use crate::shape::{Local, Shape};
-use crate::step::{BALANCE, FLOOR, KEEP_FACTORS, LINEAR_END, STAGNATION};
+use crate::step::{KEEP_FACTORS, LINEAR_END, STAGNATION};
+use inverse::{invert, multiply};
+pub(crate) use scale::Balances;
+use scale::{merit, per_scales, sensitivities};
+use secant::Secant;
 
 /// Evaluations of the Newton matrix before the step is given back.
 const MATRICES: usize = 6;
@@ -25,8 +33,6 @@ const PASSES: usize = 24;
 /// Residuals above this many units of tolerance are heard above rounding: what a correction does to
 /// them tells of the matrix.
 const AUDIBLE: f64 = 1e3;
-/// A pivot below this part of its row's largest entry wants pivoting.
-const SMALL_PIVOT: f64 = 1e-6;
 
 /// Where a step begins, in the block's own order.
 pub(crate) struct Start<L, const N: usize, const Q: usize, const S: usize, const U: usize> {
@@ -54,16 +60,6 @@ pub(crate) struct Start<L, const N: usize, const Q: usize, const S: usize, const
     pub(crate) tolerance: L,
 }
 
-/// Which equations are of static equilibrium, where their tolerance is wider and remembers how stiff
-/// they have been; see [`crate::step`].
-#[derive(Clone, Copy)]
-pub(crate) struct Balances<L, const N: usize> {
-    /// 1 where it is one, else 0.
-    pub(crate) is: [L; N],
-    /// The largest sensitivity so far; zero for others.
-    pub(crate) stiffest: [L; N],
-}
-
 /// Where it ends.
 pub(crate) struct End<L, const N: usize, const Q: usize> {
     /// Increment.
@@ -84,18 +80,6 @@ struct Residual<L, const N: usize> {
     r: [L; N],
     momentum: [L; N],
     force: [L; N],
-}
-
-/// The largest ratio, and which lanes are finite throughout.
-#[inline(always)]
-fn merit<L: Lane, const N: usize>(r: &[L; N], per_scale: &[L; N]) -> (L, u8) {
-    let (mut largest, mut sum) = (L::splat(0.0), L::splat(0.0));
-    for i in 0..N {
-        let ratio = r[i].abs() * per_scale[i];
-        largest = largest.max(ratio);
-        sum = sum + ratio;
-    }
-    (largest, sum.less(L::splat(f64::INFINITY)))
 }
 
 /// Puts the midpoint where the increment leads; `internal` are internal coordinates.
@@ -322,223 +306,5 @@ pub(crate) fn newton<
 fn hold<L: Lane, const N: usize>(bits: u8, force: &[L; N], kept: &mut [L; N]) {
     for i in 0..N {
         kept[i] = L::choose(bits, force[i], kept[i]);
-    }
-}
-
-/// What a correction tells of the matrix: Broyden's rank-one update of the inverse (Broyden 1965, the
-/// first of his methods), which maps the change of the residual to the correction that made it.
-///
-/// With the correction c, the next one d = J⁻¹r and weights w that make coordinates comparable,
-/// J⁻¹ + d·(w∘c)ᵀJ⁻¹/(cᵀwc − cᵀwd) is the inverse after the update, and d·cᵀwc/(cᵀwc − cᵀwd) what it
-/// makes of the residual.
-struct Secant<L, const N: usize> {
-    /// w∘c.
-    weighted: [L; N],
-    /// By which the update stretches the next correction.
-    stretch: L,
-    /// 1/cᵀwc.
-    per_square: L,
-}
-
-impl<L: Lane, const N: usize> Secant<L, N> {
-    #[inline(always)]
-    fn new<const Q: usize, const S: usize, const U: usize>(
-        correction: &[L; N],
-        next: &[L; N],
-        start: &Start<L, N, Q, S, U>,
-    ) -> Self {
-        let mut weighted = *correction;
-        let (mut square, mut along) = (L::splat(0.0), L::splat(0.0));
-        for i in 0..N {
-            weighted[i] = correction[i] * start.per_size[i] * start.per_size[i];
-            square = weighted[i].mul_add(correction[i], square);
-            along = weighted[i].mul_add(next[i], along);
-        }
-        let per_square = L::splat(1.0) / square;
-        let left = along.neg_mul_add(per_square, L::splat(1.0));
-        Secant { weighted, stretch: L::splat(1.0) / left, per_square }
-    }
-
-    /// Lanes in which the update changes the inverse little.
-    #[inline(always)]
-    fn is_sound(&self) -> u8 {
-        self.stretch.less(L::splat(2.0)) & L::splat(0.5).less(self.stretch)
-    }
-
-    /// Updates the inverse in the lanes whose bits are set; `next` has been stretched.
-    #[inline(always)]
-    fn teach(&self, bits: u8, inverse: &mut [f64], next: &[L; N]) {
-        let inverse = &mut inverse[..N * N * L::WIDTH];
-        let zero = L::splat(0.0);
-        let mut row = [zero; N];
-        for i in 0..N {
-            let factor = L::choose(bits, self.weighted[i] * self.per_square, zero);
-            for j in 0..N {
-                row[j] = factor.mul_add(L::load(&inverse[(i * N + j) * L::WIDTH..]), row[j]);
-            }
-        }
-        for i in 0..N {
-            let next = L::choose(bits, next[i], zero);
-            for j in 0..N {
-                let entry = &mut inverse[(i * N + j) * L::WIDTH..];
-                next.mul_add(row[j], L::load(entry)).store(entry);
-            }
-        }
-    }
-}
-
-/// What rounding of the coordinates does to each equation: Σ|Jᵢⱼ|·size(j), with a wider bound for
-/// static equilibria; see [`crate::step`].
-#[inline(always)]
-fn sensitivities<
-    L: Lane,
-    const N: usize,
-    const M: usize,
-    const Q: usize,
-    const S: usize,
-    const U: usize,
->(
-    start: &Start<L, N, Q, S, U>,
-    matrix: &[L; M],
-    balances: &mut Option<Balances<L, N>>,
-) -> [L; N] {
-    let mut size = start.size;
-    for i in 0..N {
-        size[i] = size[i].max(start.q[i].abs());
-    }
-    let mut sums = [L::splat(0.0); N];
-    for i in 0..N {
-        for j in 0..N {
-            sums[i] = matrix[i * N + j].abs().mul_add(size[j], sums[i]);
-        }
-    }
-    if let Some(balances) = balances {
-        for i in 0..N {
-            sums[i] = sums[i].max(balances.stiffest[i]);
-            balances.stiffest[i] = balances.is[i] * sums[i];
-            sums[i] = L::splat(BALANCE - 1.0).mul_add(balances.stiffest[i], sums[i]);
-        }
-    }
-    sums
-}
-
-/// 1 over the tolerance of each equation; see [`crate::step`].
-#[inline(always)]
-fn per_scales<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usize>(
-    start: &Start<L, N, Q, S, U>,
-    at: &Residual<L, N>,
-    half_h: L,
-    sensitivity: &[L; N],
-) -> [L; N] {
-    let mut scales = *sensitivity;
-    for i in 0..N {
-        let p = start.p[i].abs();
-        let asked = p + at.momentum[i].abs() + (half_h * at.force[i]).abs();
-        let floor = L::splat(FLOOR) * p.max(sensitivity[i]);
-        let scale = floor.max(start.tolerance * asked);
-        scales[i] = L::splat(1.0) / scale.max(L::splat(f64::MIN_POSITIVE));
-    }
-    scales
-}
-
-/// Inverts the matrix in place by Gauss and Jordan's method without pivoting; returns the lanes where
-/// no pivot was small. The Newton matrix is a mass matrix but for terms in h.
-#[inline(always)]
-fn invert<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) -> u8 {
-    let mut good = L::ALL;
-    for k in 0..N {
-        let mut largest = L::splat(0.0);
-        for j in k..N {
-            largest = largest.max(a[k * N + j].abs());
-        }
-        let pivot = a[k * N + k];
-        good &= (L::splat(SMALL_PIVOT) * largest).less(pivot.abs());
-        let reciprocal = L::splat(1.0) / pivot;
-        a[k * N + k] = L::splat(1.0);
-        for j in 0..N {
-            a[k * N + j] = a[k * N + j] * reciprocal;
-        }
-        for i in 0..N {
-            if i != k {
-                let factor = a[i * N + k];
-                a[i * N + k] = L::splat(0.0);
-                for j in 0..N {
-                    a[i * N + j] = factor.neg_mul_add(a[k * N + j], a[i * N + j]);
-                }
-            }
-        }
-    }
-    good
-}
-
-/// Matrix times vector.
-#[inline(always)]
-fn multiply<L: Lane, const N: usize>(a: &[f64], x: &[L; N]) -> [L; N] {
-    let a = &a[..N * N * L::WIDTH];
-    let mut product = [L::splat(0.0); N];
-    for i in 0..N {
-        for j in 0..N {
-            product[i] = L::load(&a[(i * N + j) * L::WIDTH..]).mul_add(x[j], product[i]);
-        }
-    }
-    product
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const MATRIX: [f64; 9] = [4.0, 1.0, -0.5, 0.8, 3.0, 0.2, -0.4, 0.3, 2.0];
-
-    #[test]
-    fn an_inverse_is_one() {
-        let mut inverse = MATRIX;
-        assert_eq!(invert::<f64, 3, 9>(&mut inverse), 1);
-        for i in 0..3 {
-            let column: [f64; 3] = std::array::from_fn(|k| inverse[k * 3 + i]);
-            let unit = multiply::<f64, 3>(&MATRIX, &column);
-            for (k, x) in unit.into_iter().enumerate() {
-                assert!((x - f64::from(u8::from(k == i))).abs() < 1e-15, "{unit:?}");
-            }
-        }
-        let mut singular = [1.0, 2.0, 2.0, 4.0];
-        assert_eq!(invert::<f64, 2, 4>(&mut singular), 0, "no pivot is left");
-    }
-
-    #[test]
-    fn an_old_inverse_learns_what_corrections_tell() {
-        let mut inverse = MATRIX.map(|x| 1.1 * x);
-        invert::<f64, 3, 9>(&mut inverse);
-        let start = Start::<f64, 3, 3, 0, 0> {
-            q: [0.0; 3],
-            delta: [0.0; 3],
-            p: [0.0; 3],
-            t: 0.0,
-            h: 1.0,
-            rest: [],
-            inputs: [],
-            size: [1.0, 0.1, 1.0],
-            per_size: [1.0, 10.0, 1.0],
-            past: [0.0; 3],
-            tolerance: 0.0,
-        };
-        // The residual r = A·x − b, linear.
-        let mut r = [1.0, -2.0, 0.5];
-        let correction = multiply::<f64, 3>(&inverse, &r);
-        let change = multiply::<f64, 3>(&MATRIX, &correction);
-        for i in 0..3 {
-            r[i] -= change[i];
-        }
-        let mut next = multiply::<f64, 3>(&inverse, &r);
-        let secant = Secant::new(&correction, &next, &start);
-        assert_eq!(secant.is_sound(), 1);
-        next = next.map(|x| secant.stretch * x);
-        secant.teach(1, &mut inverse, &next);
-        let told = multiply::<f64, 3>(&inverse, &change);
-        let ahead = multiply::<f64, 3>(&inverse, &r);
-        for i in 0..3 {
-            assert!((told[i] - correction[i]).abs() < 1e-14, "the change leads to the correction");
-            assert!((ahead[i] - next[i]).abs() < 1e-14, "and the next one was stretched rightly");
-        }
     }
 }
