@@ -2,7 +2,8 @@
 //! ensemble, and the compiler.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use handc::emit::package::package;
+use handc::emit::package::{Sources, package};
+use handc::stage::DEFAULT_BUDGET;
 use handc_core::ensemble::Plan;
 use handc_core::model::{Midpoint, Model};
 use handc_core::runner::{Observer, RunOptions, run};
@@ -77,7 +78,7 @@ fn compiler(c: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| {
                 let mechanism = mechanism(&file).expect("a right model");
-                package(&mechanism, "handc-core").expect("a crate")
+                package(&mechanism, &Sources::carried(), DEFAULT_BUDGET).expect("a crate")
             });
         });
     }

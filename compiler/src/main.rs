@@ -7,6 +7,7 @@ use handc::command::pose::PoseOptions;
 use handc::command::posture::PostureOptions;
 use handc::command::strength::{OffAxis, Plane, StrengthOptions};
 use handc::command::{self, Stage};
+use handc::stage::DEFAULT_BUDGET;
 use handc_core::ensemble;
 use handc_core::runner::{RunOptions, assignment};
 use handc_core::simulation::Settings;
@@ -45,6 +46,10 @@ enum Command {
         /// Overwrite a folder that was not written by this command
         #[arg(long)]
         force: bool,
+        /// Operations written as straight lines at most; what does not fit loops over tables, which takes
+        /// fewer lines, builds faster and runs slower
+        #[arg(long, value_name = "N", default_value_t = DEFAULT_BUDGET)]
+        budget: usize,
     },
     /// Print what a stage of the compiler sees
     Dump {
@@ -374,8 +379,9 @@ fn dispatch(command: Command) -> u8 {
         Command::Run { source, run } => {
             command::run::run(&source.file, source.root.as_deref(), &run.options())
         }
-        Command::Compile { source, out, force } => {
-            command::compile::compile(&source.file, source.root.as_deref(), out.as_deref(), force)
+        Command::Compile { source, out, force, budget } => {
+            let (root, out) = (source.root.as_deref(), out.as_deref());
+            command::compile::compile(&source.file, root, out, force, budget)
         }
         Command::Dump { source, stage } => {
             let stage = match stage {

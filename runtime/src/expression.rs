@@ -6,10 +6,12 @@
 //! scalar type gets exact ones.
 
 use handc_core::scalar::{Comparison, Scalar};
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 /// What an expression may read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum Variable {
     /// Time (s).
     Time,
@@ -32,7 +34,8 @@ pub enum Variable {
 }
 
 /// What a strand's own law may read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum Own {
     /// Its length x (m).
     Length,
@@ -43,7 +46,8 @@ pub enum Own {
 }
 
 /// What a strand does at an instant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum StrandQuantity {
     /// Rate of its length ẋ (m/s).
     Rate,
@@ -70,7 +74,8 @@ impl StrandQuantity {
 pub type StrandState<S> = [S; StrandQuantity::COUNT];
 
 /// One operation; operands are positions of earlier operations in the same program.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[allow(missing_docs)]
 pub enum Operation {
     Constant(f64),
@@ -105,7 +110,8 @@ pub enum Operation {
 }
 
 /// A straight-line program with one or more outputs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Program {
     /// Operations, operands before uses.
     pub operations: Vec<Operation>,
@@ -188,7 +194,8 @@ impl Program {
 ///
 /// Output 0 of `program` is the value; output 1 + i is the derivative with respect to
 /// `gradient[i]`, a coordinate, a rate or a strand length.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Function {
     /// Value and derivatives.
     pub program: Program,

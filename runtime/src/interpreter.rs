@@ -105,6 +105,19 @@ impl Interpreter {
         mechanics.link_poses(workspace, q)
     }
 
+    /// The equations with the parameters at hand.
+    pub(crate) fn equations(&self) -> Mechanics<'_, f64> {
+        Mechanics { mechanism: &self.mechanism, structure: &self.structure, numbers: &self.numbers }
+    }
+
+    /// Sets all parameters.
+    pub fn set_params(&mut self, params: &[f64]) {
+        if self.numbers.params != params {
+            self.numbers = Resolved::new(&self.mechanism, params);
+            self.revision = next_revision();
+        }
+    }
+
     fn mechanics(&mut self) -> (Mechanics<'_, f64>, &mut Workspace<f64>) {
         let mechanics = Mechanics {
             mechanism: &self.mechanism,
@@ -157,8 +170,7 @@ impl Model for Interpreter {
     fn set_param(&mut self, index: usize, value: f64) {
         let mut params = self.numbers.params.clone();
         params[index] = value;
-        self.numbers = Resolved::new(&self.mechanism, &params);
-        self.revision = next_revision();
+        self.set_params(&params);
     }
     fn revision(&self) -> u64 {
         self.revision

@@ -7,11 +7,13 @@
 //! of the parameters ([`Number`]), so geometry and masses may be parameters too.
 
 use crate::expression::{Function, Own, Program, Variable};
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A constant, or an output of [`Mechanism::values`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum Number {
     /// Known now (SI).
     Constant(f64),
@@ -38,7 +40,8 @@ impl Number {
 pub type NumberVector = [Number; 3];
 
 /// A constant rigid transform, `parent_from_child`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct NumberTransform {
     /// Rotation by rows.
     pub rotation: [NumberVector; 3],
@@ -55,7 +58,8 @@ impl NumberTransform {
 }
 
 /// A parameter.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Param {
     /// Name.
     pub name: String,
@@ -68,7 +72,8 @@ pub struct Param {
 }
 
 /// An external input.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Input {
     /// Name.
     pub name: String,
@@ -81,7 +86,8 @@ pub struct Input {
 }
 
 /// The motion of a link in its joint frame; axes are of unit length.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum Motion {
     /// Rotation about the axis by the coordinate.
     Revolute {
@@ -103,7 +109,8 @@ pub enum Motion {
 }
 
 /// What a coordinate is of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum Role {
     /// A joint.
     #[default]
@@ -117,7 +124,8 @@ pub enum Role {
 }
 
 /// A coordinate and what acts on it alone.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Coordinate {
     /// Name.
     pub name: String,
@@ -161,7 +169,8 @@ impl Coordinate {
 }
 
 /// A moving body with one coordinate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Link {
     /// The link it moves on; `None` is the world. Always an earlier link.
     pub parent: Option<u32>,
@@ -174,7 +183,8 @@ pub struct Link {
 }
 
 /// A rigid body fixed in a link or in the world.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Body {
     /// Name.
     pub name: String,
@@ -191,7 +201,8 @@ pub struct Body {
 }
 
 /// A named frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Frame {
     /// Name.
     pub name: String,
@@ -202,7 +213,8 @@ pub struct Frame {
 }
 
 /// A point fixed in a link.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Point {
     /// The link; `None` is the world.
     pub link: Option<u32>,
@@ -211,7 +223,8 @@ pub struct Point {
 }
 
 /// The form of a surface that a strand wraps.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum SurfaceForm {
     /// A sphere about its centre.
     Sphere,
@@ -223,7 +236,8 @@ pub enum SurfaceForm {
 }
 
 /// A surface that a strand wraps on its way from one point to the next.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Wrap {
     /// Name of the frame that it stands in.
     pub frame: String,
@@ -246,7 +260,8 @@ pub struct Wrap {
 }
 
 /// How a strand's tension follows from its length x and natural length x₀.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum Law {
     /// V = ½k(x − x₀)².
     Linear {
@@ -265,7 +280,8 @@ pub enum Law {
 }
 
 /// The numbers of a muscle; see [`crate::muscle`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Muscle {
     /// Coordinate of the length of its fibres along the tendon.
     pub fibre: u32,
@@ -320,7 +336,8 @@ impl Muscle {
 
 /// Friction of a strand that slides over its points (Euler and Eytelwein): across a point where it
 /// bends by θ the tension falls by exp(−μθ) against the way it slides.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Friction {
     /// Coefficient μ.
     pub coefficient: Number,
@@ -330,7 +347,8 @@ pub struct Friction {
 
 /// An elastic path; its length x is that of the way from point to point, over the surfaces between
 /// them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Strand {
     /// Name.
     pub name: String,
@@ -407,7 +425,8 @@ impl Strand {
 }
 
 /// The form of a constraint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 // A model has few constraints; a box would only hide the numbers of a weld.
 #[allow(missing_docs, clippy::large_enum_variant)]
 pub enum ConstraintKind {
@@ -431,7 +450,8 @@ pub enum ConstraintKind {
 }
 
 /// A holonomic constraint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Constraint {
     /// Name.
     pub name: String,
@@ -457,7 +477,8 @@ impl Constraint {
 }
 
 /// A generalized force on one coordinate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Torque {
     /// Name.
     pub name: String,
@@ -470,7 +491,8 @@ pub struct Torque {
 }
 
 /// A force at a point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Force {
     /// Name.
     pub name: String,
@@ -485,7 +507,8 @@ pub struct Force {
 }
 
 /// An experiment.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Scenario {
     /// Name.
     pub name: String,
@@ -520,7 +543,8 @@ pub struct Scenario {
 }
 
 /// A number that depends on parameters and must lie in a range when a run begins.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Requirement {
     /// What must be.
     pub text: String,
@@ -542,7 +566,8 @@ impl Requirement {
 }
 
 /// A whole model as constant data.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Mechanism {
     /// Name.
     pub name: String,

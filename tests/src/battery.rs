@@ -7,7 +7,7 @@
 
 use crate::load::repository;
 use crate::probe::{Answer, Request, read_answer, write_request};
-use handc::emit::package::{package, write_crate};
+use handc::emit::package::{Sources, package, write_crate};
 use handc_runtime::mechanism::Mechanism;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,15 +20,18 @@ pub struct Battery {
     folder: PathBuf,
 }
 
-/// Builds a battery of models whose names differ in a folder of its own.
-pub fn build(folder: &Path, models: &[Mechanism]) -> Battery {
-    let core = repository("runtime/core").canonicalize().expect("the core");
-    let core = core.to_str().expect("a path in UTF-8");
+/// Builds a battery of models whose names differ, each with its budget of straight lines, in a folder of
+/// its own.
+pub fn build(folder: &Path, models: &[(Mechanism, usize)]) -> Battery {
+    let runtime = repository("runtime").canonicalize().expect("the runtime");
+    let sources = Sources::in_checkout(runtime.to_str().expect("a path in UTF-8"));
+    let core = &sources.core;
     let mut dependencies = format!("handc-core = {{ path = {core:?} }}\n");
     let mut arms = String::new();
-    for model in models {
+    for (model, budget) in models {
         let name = &model.name;
-        let made = package(model, core).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let made =
+            package(model, &sources, *budget).unwrap_or_else(|error| panic!("{name}: {error}"));
         let place = folder.join("models").join(name);
         write_crate(&place, &made.files, true).unwrap_or_else(|error| panic!("{name}: {error}"));
         let library = &made.files.iter().find(|f| f.path == "src/lib.rs").expect("a library").text;

@@ -4,6 +4,7 @@ pub mod battery;
 pub mod chance;
 pub mod compare;
 pub mod expected;
+pub mod grown;
 pub mod load;
 pub mod neutral;
 pub mod probe;

@@ -1,12 +1,16 @@
 //! Interpreter and compiled code, function by function and step by step.
 //!
-//! All models and fixtures of the repository and a few hundred random mechanisms go through both.
+//! All models and fixtures of the repository and a few hundred random mechanisms go through both; all of
+//! the former and some of the latter are compiled again with little or no room for straight lines, so that
+//! loops over tables take their place.
 //! Every step starts from the interpreter's state, so that chaos does not matter.
 
+use handc::stage::DEFAULT_BUDGET;
 use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanism::Mechanism;
 use handc_tests::battery::{Battery, build};
 use handc_tests::compare::{differences, every_row_moves, requests};
+use handc_tests::grown::{chain, fingers};
 use handc_tests::load::{mechanism, mechanism_of_text, models};
 use handc_tests::probe::{Request, answer};
 use handc_tests::random;
@@ -17,12 +21,34 @@ use std::sync::{Arc, OnceLock};
 const WANTED: usize = 210;
 const SEEDS: u64 = 600;
 
+/// One random model of so many is compiled with tables too.
+const WITH_TABLES: usize = 5;
+/// Room for some groups of functions, and not for others.
+const SMALL_BUDGET: usize = 1000;
 /// Lanes that vectors may have: all that the machine has, those of AVX2, none.
 const LANES: [usize; 3] = [8, 4, 1];
 
 struct Case {
     mechanism: Mechanism,
+    budget: usize,
     requests: Vec<Request>,
+}
+
+impl Case {
+    /// `None` for a model that cannot start.
+    fn new(mechanism: Mechanism, budget: usize, seed: u64) -> Option<Case> {
+        let requests = requests(&mechanism, seed)?;
+        Some(Case { mechanism, budget, requests })
+    }
+
+    /// The same model and questions, compiled with another budget.
+    fn with_budget(&self, budget: usize) -> Case {
+        let mut mechanism = self.mechanism.clone();
+        mechanism.name = format!("{}_within_{budget}", mechanism.name);
+        let mut requests = self.requests.clone();
+        requests.iter_mut().for_each(|request| request.model.clone_from(&mechanism.name));
+        Case { mechanism, budget, requests }
+    }
 }
 
 struct Everything {
@@ -31,16 +57,21 @@ struct Everything {
     battery: Battery,
 }
 
-/// Every model file of the repository.
+/// Every model file of the repository, and two large models.
 fn written() -> Vec<Case> {
     let mut cases = Vec::new();
     for folder in ["models", "tests/fixtures", "tests/cases"] {
         for path in models(folder) {
             let Ok(mut mechanism) = mechanism(&path) else { continue };
             mechanism.name = format!("{}_{}", folder.replace('/', "_"), mechanism.name);
-            let requests = requests(&mechanism, 7).expect("a model that starts");
-            cases.push(Case { mechanism, requests });
+            let case = Case::new(mechanism, DEFAULT_BUDGET, 7).expect("a model that starts");
+            cases.extend([0, SMALL_BUDGET].map(|budget| case.with_budget(budget)));
+            cases.push(case);
         }
+    }
+    for (name, text) in [("chain_128", chain(128)), ("fingers_64", fingers(64))] {
+        let mechanism = mechanism_of_text(name, &text).unwrap_or_else(|said| panic!("{said}"));
+        cases.extend(Case::new(mechanism, DEFAULT_BUDGET, 7));
     }
     cases
 }
@@ -56,13 +87,17 @@ fn drawn() -> Vec<Case> {
         if !every_row_moves(&mechanism) {
             continue;
         }
-        if let Some(requests) = requests(&mechanism, seed) {
-            cases.push(Case { mechanism, requests });
+        if let Some(case) = Case::new(mechanism, DEFAULT_BUDGET, seed) {
+            cases.push(case);
         }
         if cases.len() == WANTED {
             break;
         }
     }
+    let few = cases.iter().step_by(WITH_TABLES).enumerate();
+    let tables: Vec<Case> =
+        few.map(|(number, case)| case.with_budget([0, SMALL_BUDGET][number % 2])).collect();
+    cases.extend(tables);
     cases
 }
 
@@ -70,8 +105,11 @@ fn everything() -> &'static Everything {
     static ALL: OnceLock<Everything> = OnceLock::new();
     ALL.get_or_init(|| {
         let (written, random) = (written(), drawn());
-        let all: Vec<Mechanism> =
-            written.iter().chain(&random).map(|case| case.mechanism.clone()).collect();
+        let all: Vec<(Mechanism, usize)> = written
+            .iter()
+            .chain(&random)
+            .map(|case| (case.mechanism.clone(), case.budget))
+            .collect();
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("battery");
         Everything { battery: build(&folder, &all), written, random }
     })

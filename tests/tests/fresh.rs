@@ -2,7 +2,8 @@
 //!
 //! Where they are not, this test rewrites them and then fails: look at the difference and commit it.
 
-use handc::emit::package::{Package, package, write_crate};
+use handc::emit::package::{Package, Sources, package, write_crate};
+use handc::stage::DEFAULT_BUDGET;
 use handc_tests::load::{mechanism, models, repository};
 
 /// Models whose crates are committed.
@@ -12,7 +13,8 @@ const COMMITTED: [&str; 6] = ["finger", "fourbar", "grasp", "hand", "pendulum", 
 fn emitted(name: &str) -> Package {
     let path = repository("models").join(format!("{name}.hdl"));
     let mechanism = mechanism(&path).unwrap_or_else(|said| panic!("{said}"));
-    package(&mechanism, "../../runtime/core").unwrap_or_else(|error| panic!("{name}: {error}"))
+    let sources = Sources::in_checkout("../../runtime");
+    package(&mechanism, &sources, DEFAULT_BUDGET).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 #[test]
@@ -45,7 +47,8 @@ fn every_committed_crate_is_known() {
 fn compiling_twice_gives_the_same_text() {
     for path in models("models") {
         let Ok(mechanism) = mechanism(&path) else { continue };
-        let [first, second] = [0, 1].map(|_| package(&mechanism, "core").expect("a crate"));
+        let [first, second] = [0, 1]
+            .map(|_| package(&mechanism, &Sources::carried(), DEFAULT_BUDGET).expect("a crate"));
         assert!(first.files == second.files, "{} is emitted in two ways", path.display());
     }
 }

@@ -1,7 +1,8 @@
 //! One small model at two stages: after checking, and as a generated crate. `HANDC_UPDATE=1` rewrites
 //! the expected files.
 
-use handc::emit::package::package;
+use handc::emit::package::{Sources, package};
+use handc::stage::DEFAULT_BUDGET;
 use handc_dsl::check_file;
 use handc_tests::expected::expected;
 use handc_tests::load::{mechanism, repository};
@@ -22,7 +23,7 @@ fn checked_pendulum() {
 #[test]
 fn generated_pendulum() {
     let mechanism = mechanism(&repository("models/pendulum.hdl")).expect("a right model");
-    let made = package(&mechanism, "handc-core").expect("a crate");
+    let made = package(&mechanism, &Sources::carried(), DEFAULT_BUDGET).expect("a crate");
     let text: String =
         made.files.iter().map(|f| format!("==== {}\n{}\n", f.path, f.text)).collect();
     stays("generated_pendulum.txt", &format!("{}\n", text.trim_end()));

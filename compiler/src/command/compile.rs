@@ -1,15 +1,23 @@
 //! `handc compile`: a crate of specialised Rust.
 
-use crate::emit::package::{Package, package, write_crate};
+use crate::emit::package::{Package, Sources, package, write_crate};
 use crate::graph;
+use crate::stage::DEFAULT_BUDGET;
 use handc_runtime::mechanism::Mechanism;
 use handc_runtime::structure::Structure;
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 use std::time::Instant;
 
-/// Compiles a model file into a crate; the default folder is `generated/<model>`.
-pub fn compile(file: &Path, root: Option<&Path>, out: Option<&Path>, force: bool) -> u8 {
+/// Compiles a model file into a crate with at most so many operations as straight lines; the default
+/// folder is `generated/<model>`.
+pub fn compile(
+    file: &Path,
+    root: Option<&Path>,
+    out: Option<&Path>,
+    force: bool,
+    budget: usize,
+) -> u8 {
     let began = Instant::now();
     let mechanism = match super::mechanism(file, root) {
         Ok((_, mechanism)) => mechanism,
@@ -19,16 +27,16 @@ pub fn compile(file: &Path, root: Option<&Path>, out: Option<&Path>, force: bool
         Some(out) => out.to_path_buf(),
         None => Path::new("generated").join(&mechanism.name),
     };
-    let core = match super::core_source::locate(&folder) {
-        Ok(core) => core,
+    let found = match super::core_source::locate(&folder) {
+        Ok(found) => found,
         Err(error) => return fail(&error),
     };
-    let package = match package(&mechanism, &core.path) {
+    let package = match package(&mechanism, &found.sources, budget) {
         Ok(package) => package,
         Err(error) => return fail(&error.to_string()),
     };
     let mut files = package.files.clone();
-    files.extend(core.files);
+    files.extend(found.carried(!package.report.tables.is_empty()));
     let changed = match write_crate(&folder, &files, force) {
         Ok(changed) => changed,
         Err(error) => return fail(&error.to_string()),
@@ -91,7 +99,7 @@ fn normal(path: &Path) -> Option<PathBuf> {
 pub(crate) fn graph_text(mechanism: &Mechanism) -> String {
     graph::with_new(|| {
         let structure = Structure::new(mechanism);
-        let staged = crate::stage::stage(mechanism, &structure);
+        let staged = crate::stage::stage(mechanism, &structure, DEFAULT_BUDGET);
         let mut text = String::new();
         for task in &staged.tasks {
             // Writing to a string cannot fail.
@@ -111,7 +119,7 @@ pub(crate) fn graph_text(mechanism: &Mechanism) -> String {
 
 /// The generated crate, file after file.
 pub(crate) fn rust_text(mechanism: &Mechanism) -> String {
-    match package(mechanism, "handc-core") {
+    match package(mechanism, &Sources::carried(), DEFAULT_BUDGET) {
         Ok(Package { files, .. }) => {
             files.iter().map(|f| format!("// ==== {}\n{}\n", f.path, f.text)).collect()
         }

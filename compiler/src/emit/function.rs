@@ -165,13 +165,13 @@ impl Function {
         let count = doc_line(&format!("{operations}."));
         let header = quote!(#(#docs)* #[doc = ""] #count);
         let name = identifier(&self.name);
-        let signature = signature(&arguments, naming);
+        let whole = signature(&arguments, naming);
         let value = self.returns().then(|| quote!(-> f64));
         let generics = lanes.then(|| quote!(<L: Lane>));
         let inline = lanes.then(|| quote!(#[inline(always)]));
         let tokens = if let [part] = &cut.parts[..] {
             let body = self.body(naming, statements, part, &mut printer);
-            quote!(#header #inline pub fn #name #generics(#signature) #value { #body })
+            quote!(#header #inline pub fn #name #generics(#whole) #value { #body })
         } else {
             let size = integer(cut.workspace);
             let mut calls = Vec::new();
@@ -181,13 +181,19 @@ impl Function {
                 let arguments = self.arguments(&statements[part.statements.clone()]);
                 let passed = arguments.iter().map(|a| identifier(a.name));
                 let element = element(naming);
-                let signature =
-                    signature_with(&arguments, naming, &quote!(work: &mut [#element; #size]));
+                // Parts that have nothing to do with others need no room for it.
+                let shares = !part.loads.is_empty() || !part.stores.is_empty();
+                let (signature, work) = if shares {
+                    let work = quote!(work: &mut [#element; #size]);
+                    (signature_with(&arguments, naming, &work), Some(quote!(&mut work)))
+                } else {
+                    (signature(&arguments, naming), None)
+                };
                 let body = self.body(naming, statements, part, &mut printer);
                 let is_last = number + 1 == cut.parts.len();
                 let value = value.as_ref().filter(|_| is_last);
                 let end = (!is_last || value.is_none()).then(|| quote!(;));
-                calls.push(quote!(#part_name(#(#passed,)* &mut work) #end));
+                calls.push(quote!(#part_name(#(#passed,)* #work) #end));
                 parts.push(quote! {
                     #[inline(never)]
                     fn #part_name #generics(#signature) #value { #body }
@@ -197,10 +203,11 @@ impl Function {
                 true => quote!(L::splat(0.0)),
                 false => quote!(0.0),
             };
+            let room = (cut.workspace > 0).then(|| quote!(let mut work = [#zero; #size];));
             quote! {
                 #header
-                pub fn #name #generics(#signature) #value {
-                    let mut work = [#zero; #size];
+                pub fn #name #generics(#whole) #value {
+                    #room
                     #(#calls)*
                 }
                 #(#parts)*

@@ -12,6 +12,7 @@
 pub mod code;
 pub mod count;
 pub mod cut;
+pub mod data;
 pub mod function;
 pub mod literal;
 pub mod name;

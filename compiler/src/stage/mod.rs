@@ -5,6 +5,8 @@
 //! parameters alone so that it is computed when they change and not in every step. The result is a
 //! list of [`Task`]s, each one function to be, in the module where a reader would look for it.
 
+mod budget;
+mod cost;
 mod harmony;
 mod hoist;
 mod kernels;
@@ -19,12 +21,13 @@ mod time;
 
 use crate::emit::Output;
 use crate::graph::{Leaf, Sym};
+pub use budget::{DEFAULT_BUDGET, Group};
 use handc_core::scalar::Scalar;
 use handc_runtime::mechanism::Mechanism;
 use handc_runtime::structure::Structure;
 pub use parts::{Part, parts};
 pub use shapes::{PartPlace, Shape, shared};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 pub use symbols::Symbols;
 pub use systems::System;
 
@@ -73,6 +76,8 @@ pub struct Staged {
     pub shapes: Vec<Shape>,
     /// Linear systems that are written out.
     pub systems: Vec<System>,
+    /// What is left to loops over tables.
+    pub tables: BTreeSet<Group>,
     /// How many numbers follow from parameters.
     pub values: usize,
     /// Numbers of each scenario that may depend on parameters, in the order of
@@ -82,25 +87,41 @@ pub struct Staged {
 
 pub use time::scenario_numbers;
 
-/// Runs the mechanics of `mechanism` on symbols of the current graph.
-pub fn stage(mechanism: &Mechanism, structure: &Structure) -> Staged {
+/// Runs the mechanics of `mechanism` on symbols of the current graph. What would take more than `budget`
+/// operations is left to tables.
+pub fn stage(mechanism: &Mechanism, structure: &Structure, budget: usize) -> Staged {
     let symbols = Symbols::new(mechanism, structure);
     labels::prepare(mechanism, &symbols);
-    let parts = kernels::parts(&symbols);
+    let is_hopeless = budget::is_hopeless(cost::operations(mechanism, structure), budget);
+    let parts = (!is_hopeless).then(|| kernels::parts(&symbols));
     let of_model = kernels::tasks(&symbols);
-    let all: Vec<Task> = parts.iter().chain(&of_model).cloned().collect();
-    let (systems, of_systems) = systems::systems(structure, &all);
-    let (mut shapes, mut tasks) = like_parts(mechanism, &symbols, &parts);
+    let mut without = BTreeSet::new();
+    let (mut systems, mut shapes, mut tasks) = (Vec::new(), Vec::new(), Vec::new());
+    if let Some(parts) = parts {
+        let all: Vec<Task> = parts.iter().chain(&of_model).cloned().collect();
+        let (own, of_systems) = systems::systems(structure, &all);
+        (shapes, tasks) = like_parts(mechanism, &symbols, &parts);
+        tasks.extend(of_systems);
+        systems = own;
+    } else {
+        without.insert(Group::Equations);
+    }
     tasks.extend(of_model);
-    tasks.extend(of_systems);
     tasks.extend(time::tasks(&symbols));
+    let tables = budget::spend(&mut tasks, budget, without);
+    if tables.contains(&Group::Equations) {
+        shapes.clear();
+    }
+    if tables.contains(&Group::Systems) {
+        systems.clear();
+    }
     let mut scenario_numbers: Vec<Vec<_>> =
         mechanism.scenarios.iter().map(|s| time::numbers(&symbols, s)).collect();
-    let tables = shapes.iter_mut().flat_map(|shape| &mut shape.constants);
-    let values = hoist::hoist(&mut tasks, scenario_numbers.iter_mut().chain(tables).collect());
+    let constants = shapes.iter_mut().flat_map(|shape| &mut shape.constants);
+    let values = hoist::hoist(&mut tasks, scenario_numbers.iter_mut().chain(constants).collect());
     tasks.retain(|task| !task.outputs.is_empty());
     tasks.sort_by_key(|task| task.module);
-    Staged { tasks, shapes, systems, values, scenario_numbers }
+    Staged { tasks, shapes, systems, tables, values, scenario_numbers }
 }
 
 /// The equations of all parts of blocks, like ones merged.

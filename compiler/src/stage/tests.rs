@@ -342,7 +342,7 @@ fn check(mechanism: Mechanism) {
     let mut model = Interpreter::new(Arc::new(mechanism.clone()));
     let point = Point1::new(&model);
     with_new(|| {
-        let staged = stage(&mechanism, &structure);
+        let staged = stage(&mechanism, &structure, DEFAULT_BUDGET);
         let values = staged.tasks.iter().find(|task| task.module == Module::Values);
         let read_first = |leaf: Leaf| match leaf {
             Leaf::Param(i) => point.params[i as usize],
@@ -507,7 +507,7 @@ fn parameters_are_worked_out_once() {
     let mechanism = everything();
     let structure = Structure::new(&mechanism);
     with_new(|| {
-        let staged = stage(&mechanism, &structure);
+        let staged = stage(&mechanism, &structure, DEFAULT_BUDGET);
         assert!(staged.values > 0);
         let _ = Variable::Time;
     });

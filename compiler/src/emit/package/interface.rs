@@ -4,8 +4,9 @@ use super::blocks;
 use super::imports;
 use super::modules::{Placed, folder, path};
 use super::names::Names;
+use super::tables;
 use crate::emit::print::identifier;
-use crate::stage::{Module, Staged};
+use crate::stage::{Group, Module, Staged};
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -91,49 +92,69 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
     };
     let f64 = || quote!(f64);
     let methods = [
-        make(
-            "rows",
-            "constraints",
-            &|m| m == Module::Constraints,
-            vec![read("q"), read("rest"), write("rows", "rows")],
-            &[("q", input()), ("t", f64()), ("rest", input()), ("rows", output())],
+        (
+            Group::Constraints,
+            make(
+                "rows",
+                "constraints",
+                &|m| m == Module::Constraints,
+                vec![read("q"), read("rest"), write("rows", "rows")],
+                &[("q", input()), ("t", f64()), ("rest", input()), ("rows", output())],
+            ),
         ),
-        make(
-            "jacobian",
-            "constraint_jacobian",
-            &|m| m == Module::Constraints,
-            vec![read("q"), write("jacobian", "jacobian")],
-            &[("q", input()), ("t", f64()), ("jacobian", output())],
+        (
+            Group::Constraints,
+            make(
+                "jacobian",
+                "constraint_jacobian",
+                &|m| m == Module::Constraints,
+                vec![read("q"), write("jacobian", "jacobian")],
+                &[("q", input()), ("t", f64()), ("jacobian", output())],
+            ),
         ),
-        make(
-            "inputs",
-            "inputs",
-            &|m| m == Module::Time,
-            vec![write("inputs", "inputs")],
-            &[("t", f64()), ("inputs", output())],
+        (
+            Group::Time,
+            make(
+                "inputs",
+                "inputs",
+                &|m| m == Module::Time,
+                vec![write("inputs", "inputs")],
+                &[("t", f64()), ("inputs", output())],
+            ),
         ),
-        make(
-            "rests",
-            "rests",
-            &|m| m == Module::Time,
-            vec![read("inputs"), write("rest", "rest")],
-            &[("t", f64()), ("inputs", input()), ("rest", output())],
+        (
+            Group::Time,
+            make(
+                "rests",
+                "rests",
+                &|m| m == Module::Time,
+                vec![read("inputs"), write("rest", "rest")],
+                &[("t", f64()), ("inputs", input()), ("rest", output())],
+            ),
         ),
-        make(
-            "drives",
-            "drives",
-            &|m| m == Module::Time,
-            vec![write("q", "q")],
-            &[("t", f64()), ("q", output())],
+        (
+            Group::Time,
+            make(
+                "drives",
+                "drives",
+                &|m| m == Module::Time,
+                vec![write("q", "q")],
+                &[("t", f64()), ("q", output())],
+            ),
         ),
-        make(
-            "start",
-            "start",
-            &|m| m == Module::Time,
-            vec![write("q", "q"), write("v", "v")],
-            &[("q", output()), ("v", output())],
+        (
+            Group::Time,
+            make(
+                "start",
+                "start",
+                &|m| m == Module::Time,
+                vec![write("q", "q"), write("v", "v")],
+                &[("q", output()), ("v", output())],
+            ),
         ),
     ];
+    let is_lines = |group: Group| !staged.tables.contains(&group);
+    let methods = methods.into_iter().filter(|(group, _)| is_lines(*group)).map(|(_, made)| made);
     let has_commands = functions.iter().any(|placed| placed.emitted.name == "commands");
     let commands = has_commands.then(|| {
         make(
@@ -171,10 +192,12 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             &[("numbers", output())],
         )
     });
-    let potential = potential(names, functions);
-    let scenarios = scenarios(names, functions);
+    let potential = is_lines(Group::Energy).then(|| potential(names, functions));
+    let scenario_values = scenario_values(names);
+    let scenarios = is_lines(Group::Scenarios).then(|| scenarios(names, functions));
     let model = &names.model;
-    let blocks = blocks(names, staged, functions);
+    let blocks = is_lines(Group::Equations).then(|| blocks(names, staged, functions));
+    let by_tables = tables::methods(staged);
     let systems = (!staged.systems.is_empty()).then(|| {
         quote! {
             fn systems() -> &'static [System] {
@@ -201,7 +224,9 @@ pub(super) fn module(names: &Names, staged: &Staged, functions: &[Placed]) -> To
             #clearances
             #required_numbers
             #potential
+            #scenario_values
             #scenarios
+            #by_tables
         }
     };
     let core = imports::from(
@@ -315,15 +340,17 @@ fn potential(names: &Names, functions: &[Placed]) -> TokenStream {
     }
 }
 
-fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
-    let arm = |index: usize, body: TokenStream| {
-        let constant = identifier(&names.scenarios.constants[index]);
-        quote!(scenario::#constant => { #body })
-    };
+/// An arm of a match of scenarios.
+fn scenario_arm(names: &Names, index: usize, body: TokenStream) -> TokenStream {
+    let constant = identifier(&names.scenarios.constants[index]);
+    quote!(scenario::#constant => { #body })
+}
+
+fn scenario_values(names: &Names) -> TokenStream {
     let count = names.scenarios.len();
     let values = (0..count).map(|index| {
         let module = path(Module::Scenario(index), names);
-        arm(index, quote!(#module numbers(&self.params, &self.values)))
+        scenario_arm(names, index, quote!(#module numbers(&self.params, &self.values)))
     });
     let values = match count {
         0 => quote!(ScenarioValues::default()),
@@ -334,6 +361,14 @@ fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
             }
         },
     };
+    let scenario = arguments(&[("scenario", quote!(usize))], &values);
+    quote! {
+        fn scenario(&mut self, #scenario) -> ScenarioValues { #values }
+    }
+}
+
+fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
+    let count = names.scenarios.len();
     let by_scenario = |function: &str, sources: &[(&'static str, TokenStream)]| {
         let arms: Vec<TokenStream> = (0..count)
             .filter_map(|index| {
@@ -341,7 +376,7 @@ fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
                 let sources: Vec<_> = own().into_iter().chain(sources.iter().cloned()).collect();
                 let prelude = prelude(&body.arguments, &sources);
                 let calls = body.calls;
-                (!calls.is_empty()).then(|| arm(index, quote!(#prelude #calls)))
+                (!calls.is_empty()).then(|| scenario_arm(names, index, quote!(#prelude #calls)))
             })
             .collect();
         match &arms[..] {
@@ -387,9 +422,7 @@ fn scenarios(names: &Names, functions: &[Placed]) -> TokenStream {
             ],
         ),
     );
-    let scenario = arguments(&[number()], &values);
     quote! {
-        fn scenario(&mut self, #scenario) -> ScenarioValues { #values }
         #inputs
         #drives
         #rests

@@ -16,13 +16,14 @@ mod parameters;
 mod shapes;
 mod spacing;
 mod systems;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod write;
 
 use super::count::Operations;
 use crate::graph;
-use crate::stage::{Module, Staged, stage};
+use crate::stage::{Group, Module, Staged, stage};
 use handc_core::layout::Layout;
 use handc_runtime::interpreter::layout as layout_of;
 use handc_runtime::mechanism::Mechanism;
@@ -51,6 +52,8 @@ pub struct Report {
     pub evaluate: Operations,
     /// The same with the Newton matrix.
     pub evaluate_with_matrix: Operations,
+    /// What is left to loops over tables.
+    pub tables: Vec<Group>,
     /// Lines of Rust.
     pub lines: usize,
     /// Nodes of the symbolic graph.
@@ -67,7 +70,12 @@ impl fmt::Display for Report {
             self.lines,
             self.evaluate.total(),
             self.evaluate_with_matrix.total()
-        )
+        )?;
+        if !self.tables.is_empty() {
+            let groups: Vec<String> = self.tables.iter().map(Group::to_string).collect();
+            write!(formatter, "; by tables: {}", groups.join(", "))?;
+        }
+        Ok(())
     }
 }
 
@@ -88,27 +96,54 @@ impl fmt::Display for PackageError {
 
 impl std::error::Error for PackageError {}
 
-/// Makes the crate of a mechanism. `core_path` leads from its folder to `handc-core`.
-pub fn package(mechanism: &Mechanism, core_path: &str) -> Result<Package, PackageError> {
+/// Where a crate finds what it links to: paths from its folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sources {
+    /// The core.
+    pub core: String,
+    /// The mechanics, for a crate that holds tables.
+    pub runtime: String,
+}
+
+impl Sources {
+    /// In a checkout whose folder `runtime` is at the path.
+    pub fn in_checkout(runtime: &str) -> Self {
+        Sources { core: format!("{runtime}/core"), runtime: runtime.to_owned() }
+    }
+
+    /// Beside the crate's own sources.
+    pub fn carried() -> Self {
+        Sources { core: "handc-core".to_owned(), runtime: "handc-runtime".to_owned() }
+    }
+}
+
+/// Makes the crate of a mechanism, with at most so many operations as straight lines; the rest is left
+/// to loops over tables.
+pub fn package(
+    mechanism: &Mechanism,
+    sources: &Sources,
+    budget: usize,
+) -> Result<Package, PackageError> {
     let structure = Structure::new(mechanism);
     let layout = layout_of(mechanism, &structure);
-    graph::with_new(|| assemble(mechanism, &structure, &layout, core_path))
+    graph::with_new(|| assemble(mechanism, &structure, &layout, sources, budget))
 }
 
 fn assemble(
     mechanism: &Mechanism,
     structure: &Structure,
     layout: &Layout,
-    core_path: &str,
+    links: &Sources,
+    budget: usize,
 ) -> Result<Package, PackageError> {
-    let staged = stage(mechanism, structure);
+    let staged = stage(mechanism, structure, budget);
     let frames: Vec<String> = mechanism.frames.iter().map(|frame| frame.name.clone()).collect();
     let names = names::Names::new(layout, &frames, &staged);
     let functions = modules::functions(&staged, &names);
     let modules = modules::modules(mechanism, &staged, layout, &names, &functions);
     let list: Vec<Module> = modules.iter().map(|(module, _)| *module).collect();
     let mut sources: Vec<(String, TokenStream)> = vec![
-        ("lib.rs".to_owned(), manifest::library(mechanism, layout, &names, &list)),
+        ("lib.rs".to_owned(), manifest::library(mechanism, layout, &names, &staged, &list)),
         ("main.rs".to_owned(), manifest::runner(mechanism, &names)),
         ("layout.rs".to_owned(), layout::module(layout, &names)),
         ("parameters.rs".to_owned(), parameters::module(mechanism, &names)),
@@ -124,8 +159,13 @@ fn assemble(
     }
     sources.extend(manifest::folders(&names, &list));
     sources.extend(modules.into_iter().map(|(m, tokens)| (modules::file(m, &names), tokens)));
-    let mut files =
-        vec![File { path: "Cargo.toml".to_owned(), text: manifest::manifest(&names, core_path) }];
+    let mut files = vec![File {
+        path: "Cargo.toml".to_owned(),
+        text: manifest::manifest(&names, &staged, links),
+    }];
+    if !staged.tables.is_empty() {
+        files.push(tables::mechanism(mechanism));
+    }
     for (file, tokens) in sources {
         let parsed = syn::parse2(tokens)
             .map_err(|error| PackageError { file: file.clone(), message: error.to_string() })?;
@@ -149,6 +189,7 @@ fn report(
     let mut report = Report {
         lines: files.iter().skip(1).map(|file| file.text.lines().count()).sum(),
         nodes: graph::node_count(),
+        tables: staged.tables.iter().copied().collect(),
         ..Report::default()
     };
     for placed in functions {

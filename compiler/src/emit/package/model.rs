@@ -5,7 +5,7 @@ use super::modules::{Placed, path};
 use super::names::Names;
 use crate::emit::function::doc_line;
 use crate::emit::print::identifier;
-use crate::stage::{Module, Staged};
+use crate::stage::{Group, Module, Staged};
 use handc_runtime::mechanism::Mechanism;
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -43,8 +43,27 @@ pub(super) fn module(
             use crate::blocks::Blocks;
         )
     });
-    let strands = strands(names, has_blocks, functions);
-    let frames = frames(names, functions);
+    let has_tables = !staged.tables.is_empty();
+    let tables_field = has_tables.then(|| {
+        quote! {
+            /// What is computed by loops over constant data.
+            pub(crate) tables: Tables,
+        }
+    });
+    let tables_made = has_tables.then(|| quote!(tables: Tables::new(mechanism()),));
+    let tables_update = has_tables.then(|| quote!(self.tables.set_params(&self.params);));
+    let use_mechanism = has_tables.then(|| {
+        quote!(
+            use crate::mechanism::mechanism;
+        )
+    });
+    let use_tables = has_tables.then(|| {
+        quote!(
+            use handc_runtime::tables::Tables;
+        )
+    });
+    let strands = strands(names, staged, functions);
+    let frames = frames(names, staged, functions);
     let body = quote! {
         #(#doc)*
         #[derive(Clone, Debug)]
@@ -53,6 +72,7 @@ pub(super) fn module(
             pub(crate) params: [f64; PARAMETERS],
             pub(crate) values: [f64; VALUES],
             #blocks_field
+            #tables_field
             /// A stamp of the parameters.
             pub(crate) revision: u64,
         }
@@ -76,6 +96,7 @@ pub(super) fn module(
                 let mut model = Self {
                     layout: Arc::new(layout()),
                     #blocks_made
+                    #tables_made
                     params,
                     values,
                     revision: 0,
@@ -171,6 +192,7 @@ pub(super) fn module(
             pub(crate) fn update(&mut self) {
                 #update
                 #blocks_update
+                #tables_update
                 self.revision = next_revision();
             }
         }
@@ -199,6 +221,7 @@ pub(super) fn module(
         //! The model and what can be asked of it.
 
         #use_blocks
+        #use_mechanism
         #local
         #local_values
         #types
@@ -210,6 +233,7 @@ pub(super) fn module(
         use handc_core::model::{Midpoint, Model};
         use handc_core::simulation::{Settings, Simulation};
         use handc_core::step::{State, Stepper, Surroundings};
+        #use_tables
         use std::sync::Arc;
 
         #body
@@ -243,29 +267,37 @@ fn by_q(
     (q, quote!(#params #values let #array = &mut #array; #call;))
 }
 
-fn strands(names: &Names, has_blocks: bool, functions: &[Placed]) -> TokenStream {
+fn strands(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
     if names.strands.len() == 0 {
         return TokenStream::new();
     }
     let (mut q, outside) = by_q(names, functions, (Module::Strands, "lengths"), "lengths");
     let outside = (!outside.is_empty()).then(|| quote!({ #outside }));
-    let of_blocks = has_blocks.then(|| {
+    let has_blocks = !staged.shapes.is_empty();
+    let by_tables = staged.tables.contains(&Group::Equations);
+    let elsewhere = (has_blocks || by_tables).then(|| {
         q = quote!(q);
-        quote!(self.blocks.lengths(q, &mut lengths);)
+        match by_tables {
+            true => quote!(self.tables.lengths_at(q, &mut lengths);),
+            false => quote!(self.blocks.lengths(q, &mut lengths);),
+        }
     });
     let lengths = quote! {
         /// Lengths of all strands (m).
         pub fn strand_lengths(&self, #q: &[f64; COORDINATES]) -> [f64; STRANDS] {
             let mut lengths = [0.0; STRANDS];
             #outside
-            #of_blocks
+            #elsewhere
             lengths
         }
     };
-    if find(functions, Module::Strands, "moment_arms").is_none() {
+    let (q, arms) = if staged.tables.contains(&Group::MomentArms) {
+        (quote!(q), quote!(self.tables.moment_arms_at(q, &mut arms);))
+    } else if find(functions, Module::Strands, "moment_arms").is_some() {
+        by_q(names, functions, (Module::Strands, "moment_arms"), "arms")
+    } else {
         return lengths;
-    }
-    let (q, arms) = by_q(names, functions, (Module::Strands, "moment_arms"), "arms");
+    };
     quote! {
         #lengths
 
@@ -279,11 +311,14 @@ fn strands(names: &Names, has_blocks: bool, functions: &[Placed]) -> TokenStream
     }
 }
 
-fn frames(names: &Names, functions: &[Placed]) -> TokenStream {
+fn frames(names: &Names, staged: &Staged, functions: &[Placed]) -> TokenStream {
     if names.frames.len() == 0 {
         return TokenStream::new();
     }
-    let (q, poses) = by_q(names, functions, (Module::Frames, "write_poses"), "poses");
+    let (q, poses) = match staged.tables.contains(&Group::Frames) {
+        true => (quote!(q), quote!(self.tables.poses_at(q, &mut poses);)),
+        false => by_q(names, functions, (Module::Frames, "write_poses"), "poses"),
+    };
     quote! {
         /// Poses of all frames in the world.
         pub fn frame_poses(&self, #q: &[f64; COORDINATES]) -> [Pose; FRAMES] {

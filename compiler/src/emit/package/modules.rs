@@ -8,7 +8,7 @@ use crate::emit::function::{Emitted, Function, LONGEST_FUNCTION, doc_line};
 use crate::emit::literal::{integer, number};
 use crate::emit::print::identifier;
 use crate::graph::{Leaf, Node, Sym, Unary, node};
-use crate::stage::{Module, Staged};
+use crate::stage::{Group, Module, Staged};
 use handc_core::layout::Layout;
 use handc_runtime::mechanism::{Mechanism, Scenario};
 use proc_macro2::TokenStream;
@@ -110,6 +110,10 @@ pub(super) fn modules(
 ) -> Vec<(Module, TokenStream)> {
     let mut list: Vec<Module> = functions.iter().map(|placed| placed.module).collect();
     list.extend((0..mechanism.scenarios.len()).map(Module::Scenario));
+    if staged.tables.contains(&Group::Frames) {
+        // For the type of poses.
+        list.push(Module::Frames);
+    }
     list.sort_unstable();
     list.dedup();
     list.into_iter()

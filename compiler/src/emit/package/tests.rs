@@ -1,6 +1,7 @@
 //! Whole crates: stable bytes, safe writing, names that hurt.
 
-use super::{File, WriteError, package, write_crate};
+use super::{File, Sources, WriteError, package, write_crate};
+use crate::stage::DEFAULT_BUDGET;
 use crate::stage::tests::{everything, hand};
 use std::fs;
 use std::path::PathBuf;
@@ -29,14 +30,14 @@ fn file<'a>(files: &'a [File], path: &str) -> &'a str {
 
 #[test]
 fn the_same_model_gives_the_same_bytes() {
-    let first = package(&hand(), "core").expect("a crate");
-    let second = package(&hand(), "core").expect("a crate");
+    let first = package(&hand(), &Sources::carried(), DEFAULT_BUDGET).expect("a crate");
+    let second = package(&hand(), &Sources::carried(), DEFAULT_BUDGET).expect("a crate");
     assert_eq!(first.files, second.files);
 }
 
 #[test]
 fn blocks_follow_the_fingers() {
-    let hand = package(&hand(), "../core").expect("a crate");
+    let hand = package(&hand(), &Sources::in_checkout(".."), DEFAULT_BUDGET).expect("a crate");
     // Five fingers that differ in numbers alone have one set of equations.
     let first = file(&hand.files, "src/blocks/thumb.rs");
     assert!(first.contains("pub fn evaluate_with_matrix<L: Lane>("));
@@ -62,7 +63,7 @@ fn names_that_mean_something_to_rust_are_changed() {
     ] {
         let mut model = everything();
         model.name = name.to_owned();
-        let made = package(&model, "core").expect("a crate");
+        let made = package(&model, &Sources::carried(), DEFAULT_BUDGET).expect("a crate");
         assert_eq!(made.name, package_name);
         let manifest = file(&made.files, "Cargo.toml");
         assert!(manifest.contains(&format!("[lib]\nname = \"{library}\"")), "{manifest}");
@@ -72,7 +73,7 @@ fn names_that_mean_something_to_rust_are_changed() {
 #[test]
 fn writing_is_careful() {
     let folder = Folder::new("write");
-    let made = package(&hand(), "core").expect("a crate");
+    let made = package(&hand(), &Sources::carried(), DEFAULT_BUDGET).expect("a crate");
     let count = made.files.len();
     assert_eq!(write_crate(&folder.0, &made.files, false).expect("written"), count);
     assert_eq!(write_crate(&folder.0, &made.files, false).expect("written"), 0);
@@ -89,7 +90,7 @@ fn foreign_folders_are_left_alone() {
     let folder = Folder::new("foreign");
     fs::create_dir_all(&folder.0).expect("made");
     fs::write(folder.0.join("Cargo.toml"), "[package]\n").expect("written");
-    let made = package(&hand(), "core").expect("a crate");
+    let made = package(&hand(), &Sources::carried(), DEFAULT_BUDGET).expect("a crate");
     let refused = write_crate(&folder.0, &made.files, false);
     assert!(matches!(refused, Err(WriteError::Foreign(_))));
     let kept = fs::read_to_string(folder.0.join("Cargo.toml")).expect("read");
