@@ -142,7 +142,10 @@ fn rounding<M: Model>(
             }
         }
     }
-    let stretched = stretch * f64::EPSILON;
+    // Where a scenario asks for less, a step may end as far off as it allows.
+    let scenario = simulation.scenario().map(|scenario| simulation.model.scenario(scenario));
+    let tolerance = scenario.and_then(|values| values.tolerance).unwrap_or(0.0);
+    let stretched = stretch * f64::EPSILON.max(tolerance / 32.0);
     [impulse * stretched, impulse * stretched / shortest, stretched]
 }
 
