@@ -268,7 +268,7 @@ pub enum Law {
         /// Stiffness k (N/m).
         stiffness: Number,
     },
-    /// V(x, x₀): outputs V, ∂V/∂x and ∂²V/∂x² over [`Own`](crate::expression::Own) and parameters.
+    /// V(x, x₀): outputs V, ∂V/∂x and ∂²V/∂x² over [`Own`] and parameters.
     Energy(Program),
     /// A commanded tension; its gradient is by the strand's own length and rate, by coordinates
     /// and by rates.
