@@ -120,6 +120,13 @@ pub struct Program {
 }
 
 impl Program {
+    /// Whether it reads time or inputs.
+    pub fn varies(&self) -> bool {
+        self.operations.iter().any(|operation| {
+            matches!(operation, Operation::Read(Variable::Time | Variable::Input(_)))
+        })
+    }
+
     /// Evaluates every operation in turn; `values` is scratch and holds all of them afterwards.
     pub fn evaluate<S: Scalar>(&self, read: impl Fn(Variable) -> S, values: &mut Vec<S>) {
         values.clear();

@@ -346,6 +346,7 @@ pub fn layout(mechanism: &Mechanism, structure: &Structure) -> Layout {
             .map(|s| Strand {
                 name: s.name.clone(),
                 has_rest: s.rest.is_some(),
+                rest_varies: s.rest.as_ref().is_some_and(Program::varies),
                 is_prescribed: s.law == Law::Prescribed,
                 actuator: s.actuator.map(|input| input as usize),
                 muscle: s.muscle().map(|muscle| Muscle {

@@ -104,12 +104,13 @@ pub fn layout() -> Layout {
             false, }
         ],
         strands: vec![
-            Strand { name : "fdp".into(), has_rest : false, is_prescribed : false,
-            actuator : None, muscle : None, }, Strand { name : "fds".into(), has_rest :
-            false, is_prescribed : false, actuator : None, muscle : None, }, Strand {
-            name : "edc".into(), has_rest : false, is_prescribed : false, actuator :
-            None, muscle : None, }, Strand { name : "lumbrical".into(), has_rest : false,
-            is_prescribed : false, actuator : None, muscle : None, }
+            Strand { name : "fdp".into(), has_rest : false, rest_varies : false,
+            is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
+            "fds".into(), has_rest : false, rest_varies : false, is_prescribed : false,
+            actuator : None, muscle : None, }, Strand { name : "edc".into(), has_rest :
+            false, rest_varies : false, is_prescribed : false, actuator : None, muscle :
+            None, }, Strand { name : "lumbrical".into(), has_rest : false, rest_varies :
+            false, is_prescribed : false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
         requirements: vec![

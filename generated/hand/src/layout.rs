@@ -301,41 +301,49 @@ pub fn layout() -> Layout {
             false, }
         ],
         strands: vec![
-            Strand { name : "index.fdp".into(), has_rest : false, is_prescribed : false,
-            actuator : None, muscle : None, }, Strand { name : "index.edc".into(),
-            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
-            Strand { name : "index.interosseous".into(), has_rest : false, is_prescribed
-            : false, actuator : None, muscle : None, }, Strand { name : "index.band"
-            .into(), has_rest : false, is_prescribed : false, actuator : None, muscle :
-            None, }, Strand { name : "middle.fdp".into(), has_rest : false, is_prescribed
-            : false, actuator : None, muscle : None, }, Strand { name : "middle.edc"
-            .into(), has_rest : false, is_prescribed : false, actuator : None, muscle :
-            None, }, Strand { name : "middle.interosseous".into(), has_rest : false,
+            Strand { name : "index.fdp".into(), has_rest : false, rest_varies : false,
             is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
-            "middle.band".into(), has_rest : false, is_prescribed : false, actuator :
-            None, muscle : None, }, Strand { name : "ring.fdp".into(), has_rest : false,
+            "index.edc".into(), has_rest : false, rest_varies : false, is_prescribed :
+            false, actuator : None, muscle : None, }, Strand { name :
+            "index.interosseous".into(), has_rest : false, rest_varies : false,
             is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
-            "ring.edc".into(), has_rest : false, is_prescribed : false, actuator : None,
-            muscle : None, }, Strand { name : "ring.interosseous".into(), has_rest :
+            "index.band".into(), has_rest : false, rest_varies : false, is_prescribed :
+            false, actuator : None, muscle : None, }, Strand { name : "middle.fdp"
+            .into(), has_rest : false, rest_varies : false, is_prescribed : false,
+            actuator : None, muscle : None, }, Strand { name : "middle.edc".into(),
+            has_rest : false, rest_varies : false, is_prescribed : false, actuator :
+            None, muscle : None, }, Strand { name : "middle.interosseous".into(),
+            has_rest : false, rest_varies : false, is_prescribed : false, actuator :
+            None, muscle : None, }, Strand { name : "middle.band".into(), has_rest :
+            false, rest_varies : false, is_prescribed : false, actuator : None, muscle :
+            None, }, Strand { name : "ring.fdp".into(), has_rest : false, rest_varies :
             false, is_prescribed : false, actuator : None, muscle : None, }, Strand {
-            name : "ring.band".into(), has_rest : false, is_prescribed : false, actuator
-            : None, muscle : None, }, Strand { name : "little.fdp".into(), has_rest :
+            name : "ring.edc".into(), has_rest : false, rest_varies : false,
+            is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
+            "ring.interosseous".into(), has_rest : false, rest_varies : false,
+            is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
+            "ring.band".into(), has_rest : false, rest_varies : false, is_prescribed :
+            false, actuator : None, muscle : None, }, Strand { name : "little.fdp"
+            .into(), has_rest : false, rest_varies : false, is_prescribed : false,
+            actuator : None, muscle : None, }, Strand { name : "little.edc".into(),
+            has_rest : false, rest_varies : false, is_prescribed : false, actuator :
+            None, muscle : None, }, Strand { name : "little.interosseous".into(),
+            has_rest : false, rest_varies : false, is_prescribed : false, actuator :
+            None, muscle : None, }, Strand { name : "little.band".into(), has_rest :
+            false, rest_varies : false, is_prescribed : false, actuator : None, muscle :
+            None, }, Strand { name : "thumb.fpl".into(), has_rest : false, rest_varies :
             false, is_prescribed : false, actuator : None, muscle : None, }, Strand {
-            name : "little.edc".into(), has_rest : false, is_prescribed : false, actuator
-            : None, muscle : None, }, Strand { name : "little.interosseous".into(),
-            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
-            Strand { name : "little.band".into(), has_rest : false, is_prescribed :
-            false, actuator : None, muscle : None, }, Strand { name : "thumb.fpl".into(),
-            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
-            Strand { name : "thumb.epl".into(), has_rest : false, is_prescribed : false,
-            actuator : None, muscle : None, }, Strand { name : "thumb.epb".into(),
-            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
-            Strand { name : "thumb.apl".into(), has_rest : false, is_prescribed : false,
-            actuator : None, muscle : None, }, Strand { name : "thumb.apb".into(),
-            has_rest : false, is_prescribed : false, actuator : None, muscle : None, },
-            Strand { name : "thumb.opp".into(), has_rest : false, is_prescribed : false,
-            actuator : None, muscle : None, }, Strand { name : "thumb.adp".into(),
-            has_rest : false, is_prescribed : false, actuator : None, muscle : None, }
+            name : "thumb.epl".into(), has_rest : false, rest_varies : false,
+            is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
+            "thumb.epb".into(), has_rest : false, rest_varies : false, is_prescribed :
+            false, actuator : None, muscle : None, }, Strand { name : "thumb.apl".into(),
+            has_rest : false, rest_varies : false, is_prescribed : false, actuator :
+            None, muscle : None, }, Strand { name : "thumb.apb".into(), has_rest : false,
+            rest_varies : false, is_prescribed : false, actuator : None, muscle : None,
+            }, Strand { name : "thumb.opp".into(), has_rest : false, rest_varies : false,
+            is_prescribed : false, actuator : None, muscle : None, }, Strand { name :
+            "thumb.adp".into(), has_rest : false, rest_varies : false, is_prescribed :
+            false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
         requirements: vec![

@@ -140,8 +140,8 @@ pub fn layout() -> Layout {
             false, }
         ],
         strands: vec![
-            Strand { name : "spring".into(), has_rest : true, is_prescribed : false,
-            actuator : None, muscle : None, }
+            Strand { name : "spring".into(), has_rest : true, rest_varies : false,
+            is_prescribed : false, actuator : None, muscle : None, }
         ],
         wraps: vec![],
         requirements: vec![

@@ -45,6 +45,8 @@ pub struct Strand {
     pub name: String,
     /// Whether the model gives its natural length; if not it is the length at the start.
     pub has_rest: bool,
+    /// Whether that changes with time or inputs.
+    pub rest_varies: bool,
     /// Whether its length is prescribed by a constraint.
     pub is_prescribed: bool,
     /// The input that is its natural length, if it has one; an input that is not a number stands for

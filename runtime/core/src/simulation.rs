@@ -75,6 +75,8 @@ pub struct Simulation<M> {
     is_prescribed: bool,
     /// Whether there are inputs or natural lengths that the model gives.
     is_fed: bool,
+    /// Whether any of them, or a path that is given, changes from step to step.
+    is_told: bool,
     /// Whether any coordinate has its path given.
     is_driven: bool,
     /// Whether any strand is a muscle.

@@ -89,6 +89,7 @@ impl Pendulums {
         let strand = |i| Strand {
             name: format!("s{i}"),
             has_rest: false,
+            rest_varies: false,
             is_prescribed: false,
             actuator: None,
             muscle: None,

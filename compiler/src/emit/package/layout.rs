@@ -155,6 +155,7 @@ fn data(layout: &Layout) -> TokenStream {
     });
     let strands = layout.strands.iter().map(|s| {
         let (name, has_rest, is_prescribed) = (&s.name, s.has_rest, s.is_prescribed);
+        let rest_varies = s.rest_varies;
         let actuator = match s.actuator {
             Some(input) => {
                 let input = integer(input);
@@ -166,6 +167,7 @@ fn data(layout: &Layout) -> TokenStream {
         quote!(Strand {
             name: #name.into(),
             has_rest: #has_rest,
+            rest_varies: #rest_varies,
             is_prescribed: #is_prescribed,
             actuator: #actuator,
             muscle: #muscle,

@@ -90,6 +90,9 @@ impl<M: Model> Simulation<M> {
             rest: lengths,
             is_prescribed: layout.strands.iter().any(|s| s.is_prescribed),
             is_fed: !layout.inputs.is_empty() || layout.strands.iter().any(|s| s.has_rest),
+            is_told: !layout.inputs.is_empty()
+                || is_driven
+                || layout.strands.iter().any(|s| s.rest_varies || s.muscle.is_some()),
             is_driven,
             is_muscular: layout.strands.iter().any(|s| s.muscle.is_some()),
             seen_q: vec![0.0; n],

@@ -22,7 +22,7 @@ impl<M: Model> Simulation<M> {
 
     /// Whether anything is handed over before every step, so that steps are taken one by one.
     pub(crate) fn is_told(&self) -> bool {
-        self.is_fed || self.is_driven || self.is_muscular
+        self.is_told
     }
 
     /// Takes up to `count` steps on lanes and returns how many: none, with the state untouched, where
