@@ -173,6 +173,14 @@ fn parameters_and_copies() {
     assert_eq!(of("twice.max"), numbers.iter().copied().fold(f64::MIN, f64::max));
     assert!((of("twice.median") - 0.5 * (numbers[1] + numbers[2])).abs() < 1e-15);
     assert_eq!((of("t"), of("instances")), (0.1, 4.0));
+    // The first copies cannot start; the others are summarised, or nothing is.
+    for (spread, rows) in [("k=-2:1", 6), ("k=-2:-1", 0)] {
+        let spread = ["--instances", "4", "--spread", spread];
+        let said = handc(&here, &[&run[..], &spread, &output].concat());
+        assert!(said.code == 3 && said.err.contains("instance 0: "), "{}", said.err);
+        let (header, summary) = table(&here.read("summary.csv"));
+        assert!(header.starts_with("t,instances") && summary.len() == rows, "{header}");
+    }
 }
 
 #[test]

@@ -67,12 +67,19 @@ pub(crate) fn run<M: Model + Clone + Send + Sync>(
     }
     let coordinates = layout.coordinates.len();
     let settings = |copy| plan.settings(&options.settings, coordinates, copy);
-    // Options that fit no copy are an error of the command line, said once.
-    let (header, rows) = match Simulation::new(model.clone(), &settings(0)) {
-        Ok(simulation) => (columns(&simulation), simulation.steps / options.every + 1),
-        Err(error @ RunError::Usage(_)) => return Err(error),
-        Err(_) => (Vec::new(), 0),
-    };
+    // Columns are those of the first copy that starts. Options that fit no copy are an error of the
+    // command line, said once.
+    let (mut header, mut rows) = (vec!["t".to_string()], 0);
+    for copy in 0..plan.instances {
+        match Simulation::new(model.clone(), &settings(copy)) {
+            Ok(simulation) => {
+                (header, rows) = (columns(&simulation), simulation.steps / options.every + 1);
+                break;
+            }
+            Err(error @ RunError::Usage(_)) => return Err(error),
+            Err(_) => {}
+        }
+    }
     let table = match &plan.summary {
         Some(_) => Some(Mutex::new(Summary::new(&header, rows, plan.instances)?)),
         None => None,
