@@ -83,6 +83,8 @@ pub enum Statement {
     Let(Sym, Expression),
     /// Sine and cosine of one angle at once.
     SinCos(Sym, Sym, Expression),
+    /// Square root and its reciprocal at once.
+    SqrtRecip(Sym, Sym, Expression),
     /// Output by number.
     Store(usize, Expression),
 }
@@ -121,7 +123,10 @@ impl Statement {
     /// Its right-hand side.
     pub fn expression(&self) -> &Expression {
         match self {
-            Statement::Let(_, e) | Statement::SinCos(_, _, e) | Statement::Store(_, e) => e,
+            Statement::Let(_, e)
+            | Statement::SinCos(_, _, e)
+            | Statement::SqrtRecip(_, _, e)
+            | Statement::Store(_, e) => e,
         }
     }
 
@@ -129,7 +134,7 @@ impl Statement {
     pub fn defines(&self) -> impl Iterator<Item = Sym> + use<> {
         let two = match self {
             Statement::Let(a, _) => [Some(*a), None],
-            Statement::SinCos(s, c, _) => [Some(*s), Some(*c)],
+            Statement::SinCos(a, b, _) | Statement::SqrtRecip(a, b, _) => [Some(*a), Some(*b)],
             Statement::Store(..) => [None, None],
         };
         two.into_iter().flatten()

@@ -29,8 +29,13 @@ impl Operations {
     pub fn of(statements: &[Statement]) -> Operations {
         let mut counts = Operations::default();
         for statement in statements {
-            if let Statement::SinCos(..) = statement {
-                counts.angles += 1;
+            match statement {
+                Statement::SinCos(..) => counts.angles += 1,
+                Statement::SqrtRecip(..) => {
+                    counts.roots += 1;
+                    counts.divisions += 1;
+                }
+                Statement::Let(..) | Statement::Store(..) => {}
             }
             statement.expression().walk(&mut |expression| counts.add(expression));
         }

@@ -101,7 +101,7 @@ pub fn place_of(leaf: Leaf) -> (&'static str, Option<usize>) {
 }
 
 /// Functions of `handc_core::math` that code may call.
-pub const MATH: [&str; 23] = [
+pub const MATH: [&str; 24] = [
     "abs",
     "acos",
     "asin",
@@ -124,6 +124,7 @@ pub const MATH: [&str; 23] = [
     "sin",
     "sin_cos",
     "sqrt",
+    "sqrt_recip",
     "tan",
 ];
 

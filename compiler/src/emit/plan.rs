@@ -31,6 +31,8 @@ struct Facts {
 pub struct Plan {
     nodes: Vec<Sym>,
     facts: HashMap<Sym, Facts>,
+    /// Roots that are needed together with their reciprocals: the one for the other, both ways round.
+    roots: HashMap<Sym, Sym>,
 }
 
 impl Plan {
@@ -39,8 +41,9 @@ impl Plan {
         let values: Vec<Sym> = outputs.iter().map(|output| output.value).collect();
         let nodes = reachable(&values);
         let facts = nodes.iter().map(|&symbol| (symbol, Facts::default())).collect();
-        let mut plan = Plan { nodes, facts };
+        let mut plan = Plan { nodes, facts, roots: HashMap::new() };
         plan.count_uses(&values);
+        plan.find_roots();
         plan.fuse();
         plan.choose_variables(&values);
         plan
@@ -66,9 +69,16 @@ impl Plan {
         (self.facts[&symbol].fuses as usize).checked_sub(1)
     }
 
+    /// The reciprocal that is made together with this root, or the root with this reciprocal.
+    pub fn root_partner(&self, symbol: Sym) -> Option<Sym> {
+        self.roots.get(&symbol).copied()
+    }
+
     /// Whether this reciprocal is written as a division by its only user, a product.
     pub fn is_divisor(&self, symbol: Sym) -> bool {
-        matches!(node(symbol), Node::Unary(Unary::Recip, _)) && self.facts[&symbol].uses == 1
+        matches!(node(symbol), Node::Unary(Unary::Recip, _))
+            && !self.roots.contains_key(&symbol)
+            && self.facts[&symbol].uses == 1
     }
 
     fn count_uses(&mut self, values: &[Sym]) {
@@ -85,6 +95,18 @@ impl Plan {
             };
             for operand in of_this.operands() {
                 self.fact(operand).uses += handed_on;
+            }
+        }
+    }
+
+    fn find_roots(&mut self) {
+        for &reciprocal in &self.nodes {
+            if let Node::Unary(Unary::Recip, root) = node(reciprocal)
+                && matches!(node(root), Node::Unary(Unary::Sqrt, _))
+                && self.facts[&root].uses > 1
+            {
+                self.roots.insert(root, reciprocal);
+                self.roots.insert(reciprocal, root);
             }
         }
     }
@@ -149,6 +171,8 @@ impl Plan {
                 Node::Unary(Unary::Neg, _) => (0, false),
                 // Kept apart so that sine and cosine of an angle can be found together.
                 Node::Unary(Unary::Sin | Unary::Cos, _) => (1, true),
+                // So are a root and its reciprocal.
+                _ if self.roots.contains_key(&symbol) => (1, true),
                 _ => (1, facts.uses > 1 && !facts.fused),
             };
             let size = own + inside;
@@ -159,9 +183,10 @@ impl Plan {
         }
         // A result of its own needs no variable, unless it is long or used again.
         for &value in values {
-            let facts = self.fact(value);
+            let facts = self.facts.entry(value).or_default();
             if facts.uses == 1 && facts.named && facts.size <= 2 * LARGEST_EXPRESSION {
-                facts.named = matches!(node(value), Node::Unary(Unary::Sin | Unary::Cos, _));
+                let is_angle = matches!(node(value), Node::Unary(Unary::Sin | Unary::Cos, _));
+                facts.named = is_angle || self.roots.contains_key(&value);
             }
         }
     }

@@ -72,6 +72,12 @@ impl<'a> Printer<'a> {
                 let call = self.call("sin_cos", std::slice::from_ref(angle));
                 quote!(let (#sine, #cosine) = #call;)
             }
+            Statement::SqrtRecip(root, reciprocal, radicand) => {
+                let (root, reciprocal) =
+                    (&self.names.variables[root], &self.names.variables[reciprocal]);
+                let call = self.call("sqrt_recip", std::slice::from_ref(radicand));
+                quote!(let (#root, #reciprocal) = #call;)
+            }
             Statement::Store(output, value) => {
                 let value = self.whole(value);
                 store(*output, value)

@@ -49,7 +49,7 @@ fn weights(plan: &Plan) -> HashMap<Sym, u32> {
     weights
 }
 
-/// Sine for cosine and cosine for sine, where both are needed.
+/// Sine for cosine, root for its reciprocal and the other way round, where both are needed.
 fn partners(plan: &Plan) -> HashMap<Sym, Sym> {
     let mut sines = HashMap::new();
     let mut cosines = HashMap::new();
@@ -61,6 +61,11 @@ fn partners(plan: &Plan) -> HashMap<Sym, Sym> {
         };
     }
     let mut partners = HashMap::new();
+    for &symbol in plan.nodes() {
+        if let Some(partner) = plan.root_partner(symbol) {
+            partners.insert(symbol, partner);
+        }
+    }
     for (angle, &sine) in &sines {
         if let Some(&cosine) = cosines.get(angle) {
             partners.insert(sine, cosine);
@@ -109,13 +114,14 @@ impl Scheduler<'_> {
 
     fn define(&mut self, symbol: Sym, output: usize) {
         let statement = match (node(symbol), self.partners.get(&symbol)) {
-            (Node::Unary(function, angle), Some(&partner)) => {
+            (Node::Unary(function, operand), Some(&partner)) => {
                 self.done.insert(partner);
-                let (sine, cosine) = match function {
-                    Unary::Sin => (symbol, partner),
-                    _ => (partner, symbol),
-                };
-                Statement::SinCos(sine, cosine, self.operand(angle))
+                match function {
+                    Unary::Sin => Statement::SinCos(symbol, partner, self.operand(operand)),
+                    Unary::Cos => Statement::SinCos(partner, symbol, self.operand(operand)),
+                    // The root is an operand of its reciprocal, and so is made first.
+                    _ => Statement::SqrtRecip(symbol, partner, self.operand(operand)),
+                }
             }
             _ => Statement::Let(symbol, self.expression(symbol)),
         };

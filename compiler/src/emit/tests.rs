@@ -73,6 +73,10 @@ fn run(statements: &[Statement], count: usize) -> Vec<f64> {
                 variables.insert(*sine, value.sin());
                 variables.insert(*cosine, value.cos());
             }
+            Statement::SqrtRecip(root, reciprocal, _) => {
+                variables.insert(*root, value.sqrt());
+                variables.insert(*reciprocal, 1.0 / value.sqrt());
+            }
             Statement::Store(output, _) => results[*output] = value,
         }
     }

@@ -54,7 +54,7 @@ macro_rules! masked {
     ($vector:ident:
         $splat:ident $xor:ident $or:ident $and_not:ident $and_numbers:ident $abs:ident $compare:ident $blend:ident
         $as_integers:ident $as_numbers:ident $splat_integer:ident
-        $test:ident $and:ident $add:ident $shift:ident) => {
+        $test:ident $and:ident $add:ident $shift:ident $estimate:ident $estimate_recip:ident) => {
         #[inline(always)]
         fn exponent(shifted: $vector, x: $vector) -> $vector {
             unsafe {
@@ -65,6 +65,16 @@ macro_rules! masked {
         #[inline(always)]
         fn abs(self) -> $vector {
             unsafe { $vector($abs(self.0)) }
+        }
+        #[inline(always)]
+        fn rough_recip(self) -> $vector {
+            let estimate = $vector(unsafe { $estimate_recip(self.0) });
+            let off = self.neg_mul_add(estimate, Self::splat(1.0));
+            estimate.mul_add(off, estimate)
+        }
+        #[inline(always)]
+        fn sqrt_recip(self) -> ($vector, $vector) {
+            roots(self, $vector(unsafe { $estimate(self.0) }))
         }
         #[inline(always)]
         fn less(self, other: $vector) -> u8 {
@@ -138,6 +148,7 @@ impl Lane for Z4 {
         _mm256_set1_pd _mm256_xor_pd _mm256_or_pd _mm256_andnot_pd _mm256_and_pd absolute_of_four _mm256_cmp_pd_mask _mm256_mask_blend_pd
         _mm256_castpd_si256 _mm256_castsi256_pd _mm256_set1_epi64x
         _mm256_test_epi64_mask _mm256_and_si256 _mm256_add_epi64 _mm256_slli_epi64
+        _mm256_rsqrt14_pd _mm256_rcp14_pd
     }
 
     #[inline(always)]
@@ -158,12 +169,29 @@ impl Lane for Z8 {
         _mm512_set1_pd _mm512_xor_pd _mm512_or_pd _mm512_andnot_pd _mm512_and_pd _mm512_abs_pd _mm512_cmp_pd_mask _mm512_mask_blend_pd
         _mm512_castpd_si512 _mm512_castsi512_pd _mm512_set1_epi64
         _mm512_test_epi64_mask _mm512_and_si512 _mm512_add_epi64 _mm512_slli_epi64
+        _mm512_rsqrt14_pd _mm512_rcp14_pd
     }
 
     #[inline(always)]
     fn from_lanes(of: impl Fn(usize) -> f64) -> Z8 {
         Z8(unsafe { _mm512_setr_pd(of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)) })
     }
+}
+
+/// Root and reciprocal of `x` from an estimate of the reciprocal to 14 bits: its error goes from e to
+/// e³ and then to e² (Goldschmidt's iteration). The exact instructions, of which one is done at a time,
+/// take four times as long.
+#[inline(always)]
+fn roots<L: Lane>(x: L, estimate: L) -> (L, L) {
+    let (one, half) = (L::splat(1.0), L::splat(0.5));
+    let off = (x * estimate).neg_mul_add(estimate, one);
+    let series = L::splat(0.375).mul_add(off, half);
+    let reciprocal = (estimate * off).mul_add(series, estimate);
+    let root = x * reciprocal;
+    let off = half * root.neg_mul_add(reciprocal, one);
+    let is_zero = x.equal(L::splat(0.0));
+    let root = L::choose(is_zero, x, root.mul_add(off, root));
+    (root, L::choose(is_zero, estimate, reciprocal.mul_add(off, reciprocal)))
 }
 
 /// There is no instruction's name for it.

@@ -71,6 +71,18 @@ pub trait Lane:
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
+    /// Square root and 1 over it, each within one unit in the last place; the reciprocal of the root of
+    /// zero is infinite. A vector may answer NaN for what is infinite.
+    #[inline(always)]
+    fn sqrt_recip(self) -> (Self, Self) {
+        let root = self.sqrt();
+        (root, Self::splat(1.0) / root)
+    }
+    /// 1 over it, to 26 bits at least: for what steers and does not enter results.
+    #[inline(always)]
+    fn rough_recip(self) -> Self {
+        Self::splat(1.0) / self
+    }
     /// Absolute value.
     fn abs(self) -> Self;
     /// The smaller of two.
@@ -120,8 +132,8 @@ pub trait Lane:
     fn map_two(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
         Self::from_lanes(|i| function(self.lane(i), other.lane(i)))
     }
-    /// Sine and cosine (rad), each within one unit in the last place. A vector answers NaN where the
-    /// angle is beyond [`sine::LARGEST_ANGLE`]: a call of the library amid the equations would cost
+    /// Sine and cosine (rad), each within one unit in the last place, one and a half beyond ten
+    /// radians. A vector answers NaN where the angle is beyond [`sine::LARGEST_ANGLE`]: a call of the library amid the equations would cost
     /// every value that waits in a register.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
@@ -292,6 +304,11 @@ pub mod functions {
     #[inline(always)]
     pub fn sqrt<L: Lane>(x: L) -> L {
         x.sqrt()
+    }
+    /// Square root and 1 over it.
+    #[inline(always)]
+    pub fn sqrt_recip<L: Lane>(x: L) -> (L, L) {
+        x.sqrt_recip()
     }
     /// Exponential.
     #[inline(always)]

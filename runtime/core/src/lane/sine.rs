@@ -36,18 +36,17 @@ const COSINE: [f64; 6] = [
 pub(super) fn reduced<L: Lane>(x: L) -> (L, L) {
     // Adding 1.5·2⁵² rounds to an integer and leaves it in the low bits.
     let shift = L::splat(6755399441055744.0);
-    let shifted = x * L::splat(std::f64::consts::FRAC_2_PI) + shift;
+    let shifted = x.mul_add(L::splat(std::f64::consts::FRAC_2_PI), shift);
     let n = shifted - shift;
-    let exact = x - n * L::splat(HALF_PI[0]);
-    let second = n * L::splat(HALF_PI[1]);
-    let r = exact - second;
-    // What the rounding of r lost is handed to both results to first order.
-    let tail = n.neg_mul_add(L::splat(HALF_PI[2]), (exact - r) - second);
-    let tail = L::if_less_equal(x.abs(), L::splat(LARGEST_ANGLE), tail, L::splat(f64::NAN));
+    // Exact, then rounded once; the last part tells only where r is small.
+    let r = n.neg_mul_add(L::splat(HALF_PI[0]), x);
+    let r = n.neg_mul_add(L::splat(HALF_PI[1]), r);
+    let r = n.neg_mul_add(L::splat(HALF_PI[2]), r);
+    let r = L::if_less_equal(x.abs(), L::splat(LARGEST_ANGLE), r, L::splat(f64::NAN));
     let z = r * r;
     let (s, c) = (series(&SINE, z), series(&COSINE, z));
-    let sine = r + (r * z).mul_add(s, tail);
-    let cosine = L::splat(1.0) - (L::splat(0.5) * z - r.neg_mul_add(tail, z * z * c));
+    let sine = (r * z).mul_add(s, r);
+    let cosine = L::splat(1.0) - (z * z).neg_mul_add(c, L::splat(0.5) * z);
     L::turn(shifted, sine, cosine)
 }
 

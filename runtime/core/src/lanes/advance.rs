@@ -45,7 +45,7 @@ pub(super) fn advance_lanes<L: Lane>(
 ) {
     let count = unknowns * width;
     let h = L::load(&vector.h[lane..]);
-    let per_h = L::splat(1.0) / h;
+    let per_h = L::load(&vector.per_h[lane..]);
     let (q, v, p) = (&mut vector.q[..count], &mut vector.v[..count], &mut vector.p[..count]);
     let (delta, force, past) =
         (&vector.delta[..count], &vector.force[..count], &vector.past[..count]);

@@ -126,7 +126,9 @@ impl Vector {
         for lane in 0..self.width {
             let around = &around[self.runs[lane]];
             self.t[lane] = around.t;
-            self.h[lane] = around.h;
+            if self.h[lane] != around.h {
+                (self.h[lane], self.per_h[lane]) = (around.h, 1.0 / around.h);
+            }
             self.tolerance[lane] = around.tolerance;
         }
         for fed in &self.fed_rest {

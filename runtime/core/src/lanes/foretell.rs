@@ -77,7 +77,7 @@ fn learn<L: Lane, const N: usize>(vector: &mut Vector) {
     }
     L::load(&vector.missed_echo).mul_add(L::splat(FADING), size).store(&mut vector.missed_echo);
     let audible = L::splat(AUDIBLE * AUDIBLE).less(square) & size.less(L::splat(f64::INFINITY));
-    let per_square = L::choose(audible, L::splat(1.0) / square, L::splat(0.0));
+    let per_square = L::choose(audible, square.rough_recip(), L::splat(0.0));
     let echo = &mut vector.echo[..N * N * L::WIDTH];
     for i in 0..N {
         let share = L::choose(audible, missed[i] * per_square, L::splat(0.0));

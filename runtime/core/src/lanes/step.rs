@@ -189,6 +189,7 @@ fn step<
         p: load(&vector.p),
         t,
         h,
+        per_h: L::load(&vector.per_h),
         rest: load(&vector.rest),
         inputs: load(&vector.inputs),
         size: load(&vector.size),

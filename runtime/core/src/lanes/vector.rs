@@ -93,8 +93,9 @@ pub(crate) struct Vector {
     pub(super) inputs: Vec<f64>,
     /// Time at the middle of the step (s).
     pub(super) t: [f64; WIDEST],
-    /// Step (s).
+    /// Step (s), and 1 over it.
     pub(super) h: [f64; WIDEST],
+    pub(super) per_h: [f64; WIDEST],
     /// Relative tolerance on momenta.
     pub(super) tolerance: [f64; WIDEST],
     /// Motions that natural lengths follow.
@@ -173,6 +174,7 @@ impl Vector {
             inputs: room(counts.inputs),
             t: [0.0; WIDEST],
             h: [1.0; WIDEST],
+            per_h: [1.0; WIDEST],
             tolerance: [0.0; WIDEST],
             courses: Vec::new(),
             saved: Vec::new(),

@@ -44,8 +44,9 @@ pub(crate) struct Start<L, const N: usize, const Q: usize, const S: usize, const
     pub(crate) p: [L; N],
     /// Time at the middle (s).
     pub(crate) t: L,
-    /// Step (s).
+    /// Step (s), and 1 over it.
     pub(crate) h: L,
+    pub(crate) per_h: L,
     /// Natural lengths (m).
     pub(crate) rest: [L; S],
     /// Inputs.
@@ -158,7 +159,7 @@ pub(crate) fn newton<
     balances: &mut Option<Balances<L, N>>,
 ) -> End<L, N, Q> {
     let zero = L::splat(0.0);
-    let per_h = L::splat(1.0) / start.h;
+    let per_h = start.per_h;
     let half_h = L::splat(0.5) * start.h;
     let mut local = Local {
         q: start.q,

@@ -4,6 +4,9 @@ use super::{Residual, Start};
 use crate::lane::Lane;
 use crate::step::{BALANCE, FLOOR};
 
+/// Scales below this are none; its reciprocal is finite in all arithmetic.
+const LEAST: f64 = 1e-300;
+
 /// Which equations are of static equilibrium, where their tolerance is wider and remembers how stiff
 /// they have been; see [`crate::step`].
 #[derive(Clone, Copy)]
@@ -69,7 +72,7 @@ pub(super) fn per_scales<
         let asked = p + at.momentum[i].abs() + (half_h * at.force[i]).abs();
         let floor = L::splat(FLOOR) * p.max(sensitivity[i]);
         let scale = floor.max(start.tolerance * asked);
-        scales[i] = L::splat(1.0) / scale.max(L::splat(f64::MIN_POSITIVE));
+        scales[i] = scale.max(L::splat(LEAST)).rough_recip();
     }
     scales
 }

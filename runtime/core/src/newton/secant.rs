@@ -32,9 +32,9 @@ impl<L: Lane, const N: usize> Secant<L, N> {
             square = weighted[i].mul_add(correction[i], square);
             along = weighted[i].mul_add(next[i], along);
         }
-        let per_square = L::splat(1.0) / square;
-        let left = along.neg_mul_add(per_square, L::splat(1.0));
-        Secant { weighted, stretch: L::splat(1.0) / left, per_square }
+        // The one does not wait for the other.
+        let (per_square, per_left) = (square.rough_recip(), (square - along).rough_recip());
+        Secant { weighted, stretch: square * per_left, per_square }
     }
 
     /// Lanes in which the update changes the inverse little.
@@ -82,6 +82,7 @@ mod tests {
             p: [0.0; 3],
             t: 0.0,
             h: 1.0,
+            per_h: 1.0,
             rest: [],
             inputs: [],
             size: [1.0, 0.1, 1.0],
