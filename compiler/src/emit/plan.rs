@@ -33,6 +33,9 @@ pub struct Plan {
     facts: HashMap<Sym, Facts>,
     /// Roots that are needed together with their reciprocals: the one for the other, both ways round.
     roots: HashMap<Sym, Sym>,
+    /// Results and the partial sums that they are made of, in the order in which the mechanics made
+    /// them, each with the first output that needs it.
+    sums: Vec<(Sym, usize)>,
 }
 
 impl Plan {
@@ -41,10 +44,11 @@ impl Plan {
         let values: Vec<Sym> = outputs.iter().map(|output| output.value).collect();
         let nodes = reachable(&values);
         let facts = nodes.iter().map(|&symbol| (symbol, Facts::default())).collect();
-        let mut plan = Plan { nodes, facts, roots: HashMap::new() };
+        let mut plan = Plan { nodes, facts, roots: HashMap::new(), sums: Vec::new() };
         plan.count_uses(&values);
         plan.find_roots();
         plan.fuse();
+        plan.find_sums(&values);
         plan.choose_variables(&values);
         plan
     }
@@ -67,6 +71,16 @@ impl Plan {
     /// Which operand of this sum or difference is a product to be fused with it.
     pub fn fused_operand(&self, symbol: Sym) -> Option<usize> {
         (self.facts[&symbol].fuses as usize).checked_sub(1)
+    }
+
+    /// What is made in turn, each with the first output that needs it: results, and before them the
+    /// partial sums that they are made of.
+    ///
+    /// The mechanics goes from term to term and adds each to all results that it touches. In this order
+    /// what belongs to one term, such as a strand, is done with before the next begins, so that few
+    /// values wait; result by result all terms would wait for the last.
+    pub fn sums(&self) -> &[(Sym, usize)] {
+        &self.sums
     }
 
     /// The reciprocal that is made together with this root, or the root with this reciprocal.
@@ -97,6 +111,33 @@ impl Plan {
                 self.fact(operand).uses += handed_on;
             }
         }
+    }
+
+    fn find_sums(&mut self, values: &[Sym]) {
+        let mut first = HashMap::new();
+        for (output, &value) in values.iter().enumerate() {
+            let mut open = vec![value];
+            while let Some(symbol) = open.pop() {
+                if first.contains_key(&symbol) {
+                    continue;
+                }
+                let of_this = node(symbol);
+                let is_sum = match of_this {
+                    Node::Binary(Binary::Add | Binary::Sub, ..) => true,
+                    Node::Unary(Unary::Neg, _) => false,
+                    _ if symbol == value => false,
+                    _ => continue,
+                };
+                if is_sum || symbol == value {
+                    first.insert(symbol, output);
+                }
+                if is_sum || matches!(of_this, Node::Unary(Unary::Neg, _)) {
+                    open.extend(of_this.operands());
+                }
+            }
+        }
+        self.sums = first.into_iter().collect();
+        self.sums.sort_unstable_by_key(|(sum, _)| sum.index());
     }
 
     fn find_roots(&mut self) {
@@ -180,6 +221,13 @@ impl Plan {
             let facts = self.fact(symbol);
             facts.size = size;
             facts.named = named || too_large;
+        }
+        // A partial sum that waits while others are made is a variable.
+        for pair in self.sums.windows(2) {
+            let [(sum, _), (next, _)] = [pair[0], pair[1]];
+            if !values.contains(&sum) && !node(next).operands().any(|operand| operand == sum) {
+                self.facts.entry(sum).or_default().named = true;
+            }
         }
         // A result of its own needs no variable, unless it is long or used again.
         for &value in values {

@@ -1,5 +1,5 @@
-//! The order of statements: depth first from each output, so that a value is made shortly before
-//! its first use and the parts of one result stand together.
+//! The order of statements: depth first from each partial sum in turn, so that a value is made
+//! shortly before its first use and what belongs to one term of the mechanics stands together.
 
 use super::code::{Expression, Fused, Output, Statement};
 use super::plan::Plan;
@@ -24,14 +24,16 @@ pub fn schedule(outputs: &[Output], plan: &Plan) -> Schedule {
         done: HashSet::new(),
         result: Schedule::default(),
     };
+    let mut stores: HashMap<Sym, Vec<usize>> = HashMap::new();
     for (number, output) in outputs.iter().enumerate() {
-        scheduler.make(output.value, number);
-        let value = if plan.is_variable(output.value) {
-            Expression::Variable(output.value)
-        } else {
-            scheduler.expression(output.value)
-        };
-        scheduler.push(Statement::Store(number, value), number);
+        stores.entry(output.value).or_default().push(number);
+    }
+    for &(sum, number) in plan.sums() {
+        scheduler.make(sum, number);
+        for &number in stores.get(&sum).into_iter().flatten() {
+            let value = scheduler.operand(sum);
+            scheduler.push(Statement::Store(number, value), number);
+        }
     }
     scheduler.result
 }
