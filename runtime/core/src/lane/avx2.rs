@@ -60,12 +60,16 @@ impl Lane for X4 {
         X4, 4:
         _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd
         _mm256_fmadd_pd _mm256_fmsub_pd _mm256_fnmadd_pd
-        _mm256_sqrt_pd _mm256_min_pd _mm256_max_pd
+        _mm256_min_pd _mm256_max_pd
     }
 
     #[inline(always)]
     fn from_lanes(of: impl Fn(usize) -> f64) -> X4 {
         X4(unsafe { _mm256_setr_pd(of(0), of(1), of(2), of(3)) })
+    }
+    #[inline(always)]
+    fn sqrt(self) -> X4 {
+        X4(unsafe { _mm256_sqrt_pd(self.0) })
     }
     #[inline(always)]
     fn abs(self) -> X4 {

@@ -73,6 +73,10 @@ macro_rules! masked {
             estimate.mul_add(off, estimate)
         }
         #[inline(always)]
+        fn sqrt(self) -> $vector {
+            self.sqrt_recip().0
+        }
+        #[inline(always)]
         fn sqrt_recip(self) -> ($vector, $vector) {
             roots(self, $vector(unsafe { $estimate(self.0) }))
         }
@@ -141,7 +145,7 @@ impl Lane for Z4 {
         Z4, 4:
         _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd
         _mm256_fmadd_pd _mm256_fmsub_pd _mm256_fnmadd_pd
-        _mm256_sqrt_pd _mm256_min_pd _mm256_max_pd
+        _mm256_min_pd _mm256_max_pd
     }
     masked! {
         Z4:
@@ -162,7 +166,7 @@ impl Lane for Z8 {
         Z8, 8:
         _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd
         _mm512_fmadd_pd _mm512_fmsub_pd _mm512_fnmadd_pd
-        _mm512_sqrt_pd _mm512_min_pd _mm512_max_pd
+        _mm512_min_pd _mm512_max_pd
     }
     masked! {
         Z8:

@@ -69,10 +69,9 @@ pub trait Lane:
     fn mul_sub(self, b: Self, c: Self) -> Self;
     /// c − self·b, as [`Lane::mul_add`].
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// Square root.
+    /// Square root, within one unit in the last place. A vector may answer NaN for what is infinite.
     fn sqrt(self) -> Self;
-    /// Square root and 1 over it, each within one unit in the last place; the reciprocal of the root of
-    /// zero is infinite. A vector may answer NaN for what is infinite.
+    /// Square root and 1 over it, as [`Lane::sqrt`]; the reciprocal of the root of zero is infinite.
     #[inline(always)]
     fn sqrt_recip(self) -> (Self, Self) {
         let root = self.sqrt();

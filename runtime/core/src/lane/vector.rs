@@ -23,7 +23,7 @@ macro_rules! methods {
     ($vector:ident, $width:literal:
         $splat:ident $load:ident $store:ident
         $mul_add:ident $mul_sub:ident $neg_mul_add:ident
-        $sqrt:ident $min:ident $max:ident) => {
+        $min:ident $max:ident) => {
         const WIDTH: usize = $width;
 
         #[inline(always)]
@@ -57,10 +57,6 @@ macro_rules! methods {
         #[inline(always)]
         fn neg_mul_add(self, b: $vector, c: $vector) -> $vector {
             $vector(unsafe { $neg_mul_add(self.0, b.0, c.0) })
-        }
-        #[inline(always)]
-        fn sqrt(self) -> $vector {
-            $vector(unsafe { $sqrt(self.0) })
         }
         #[inline(always)]
         fn min(self, other: $vector) -> $vector {
