@@ -74,6 +74,9 @@ pub(super) fn add(graph: &mut Graph, a: Sym, b: Sym) -> Sym {
     if is_circle(graph, a, b) {
         return constant(graph, 1.0);
     }
+    if let Some(factored) = factored(graph, a, b, 1.0) {
+        return factored;
+    }
     let (a, b) = ordered(a, b);
     graph.intern(Node::Binary(Binary::Add, a, b))
 }
@@ -140,6 +143,9 @@ pub(super) fn subtract(graph: &mut Graph, a: Sym, b: Sym) -> Sym {
     if let Some(rest) = cancelled(graph, a, b) {
         return rest;
     }
+    if let Some(factored) = factored(graph, a, b, -1.0) {
+        return factored;
+    }
     // a − b where b − a exists: share it.
     if graph.find(&Node::Binary(Binary::Sub, b, a)).is_some() {
         let other = graph.intern(Node::Binary(Binary::Sub, b, a));
@@ -172,6 +178,31 @@ fn merge_terms(graph: &mut Graph, a: Sym, b: Sym, sign: f64) -> Option<Sym> {
     }
     let factor = folded(graph, c + sign * d)?;
     Some(multiply(graph, factor, x))
+}
+
+/// f·x ± f·y = f·(x ± y) where x ± y is something that exists already: x + (z − x) = z, and the like.
+fn factored(graph: &mut Graph, a: Sym, b: Sym, sign: f64) -> Option<Sym> {
+    let (Node::Binary(Binary::Mul, a0, a1), Node::Binary(Binary::Mul, b0, b1)) =
+        (graph.node(a), graph.node(b))
+    else {
+        return None;
+    };
+    let pairs = [(a0, a1, b0, b1), (a0, a1, b1, b0), (a1, a0, b0, b1), (a1, a0, b1, b0)];
+    for (factor, x, other, y) in pairs {
+        if factor != other {
+            continue;
+        }
+        let rest = match (sign > 0.0, graph.node(x), graph.node(y)) {
+            (true, Node::Binary(Binary::Sub, z, less), _) if less == y => Some(z),
+            (true, _, Node::Binary(Binary::Sub, z, less)) if less == x => Some(z),
+            (false, ..) => cancelled(graph, x, y),
+            _ => None,
+        };
+        if let Some(rest) = rest {
+            return Some(multiply(graph, factor, rest));
+        }
+    }
+    None
 }
 
 /// Whether a + b is sin² + cos² of one angle.
