@@ -1,6 +1,7 @@
 //! A run of a scenario: natural lengths and drives fed, steps taken. `begin` finds its start, `look` is what
 //! is written of it, `lanes` steps it on vectors.
 
+mod ahead;
 mod begin;
 mod lanes;
 mod look;
@@ -15,6 +16,7 @@ use crate::passage::{Blocked, blocked};
 use crate::start::Kinetic;
 use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
+use ahead::Ahead;
 use std::sync::Arc;
 
 pub use crate::lookup::{find_coordinate, find_name, find_param};
@@ -89,6 +91,7 @@ pub struct Simulation<M> {
     /// One for each `follow` of the scenario.
     followed: Vec<Followed>,
     driven_q: Vec<f64>,
+    ahead: Ahead,
     kinetic: Kinetic,
 }
 
@@ -99,6 +102,7 @@ struct Parts<'a, M> {
     stepper: &'a mut Stepper,
     around: Surroundings<'a>,
     courses: Courses<'a>,
+    ahead: &'a Ahead,
 }
 
 impl<M: Model> Simulation<M> {
@@ -196,7 +200,7 @@ impl<M: Model> Simulation<M> {
         };
         let courses = Courses { poses: &self.poses, motions: &self.motions };
         let (model, state, stepper) = (&mut self.model, &mut self.state, &mut self.stepper);
-        Parts { model, state, stepper, around, courses }
+        Parts { model, state, stepper, around, courses, ahead: &self.ahead }
     }
 
     /// An error if a muscle is told what it cannot do in the prepared step.

@@ -1,7 +1,7 @@
 //! Several runs of one model that step together, each in lanes of its own.
 
 use crate::error::RunError;
-use crate::lanes::{Around, Lanes, Outcome, RUNS};
+use crate::lanes::{Around, Lanes, Outcome, RUNS, Told};
 use crate::model::Model;
 use crate::simulation::Simulation;
 
@@ -101,26 +101,46 @@ impl<M: Model> Together<M> {
     /// the active ones.
     fn steps_on_lanes(&mut self, mut count: usize) -> u8 {
         let Together { runs, active, lanes, .. } = self;
-        if !active.iter().fold(true, |all, &number| all & runs[number].prepare_for_lanes()) {
+        count = lanes.reach(count);
+        for &number in active.iter() {
+            count = count.min(runs[number].left());
+        }
+        for &number in active.iter() {
+            count = count.min(runs[number].look_ahead(count));
+        }
+        if count == 0 {
             return u8::MAX;
         }
         let first = &runs[active[0]];
         let mut models = [&first.model; RUNS];
         let mut around = [Around::NOTHING; RUNS];
         let mut courses = [first.courses(); RUNS];
+        let mut told = [Told::NOTHING; RUNS];
         for (lane, &number) in active.iter().enumerate() {
             let run = &runs[number];
             models[lane] = &run.model;
             around[lane] = run.around_on_lanes();
             courses[lane] = run.courses();
-            count = count.min(if run.is_told() { 1 } else { run.left() });
+            told[lane] = run.told(0).unwrap_or(Told::NOTHING);
         }
         let models = &models[..active.len()];
         if !lanes.arrange(models) || !self.is_held {
             let taken_up: Vec<_> = active.iter().map(|&number| runs[number].taken_up()).collect();
-            lanes.take_up(&taken_up, &around);
+            lanes.take_up(&taken_up, &told);
         }
-        lanes.feed(&around);
+        lanes.begin(&around);
+        lanes.tell(&told);
+        for k in 1..count {
+            let mut rows = active.iter().map_while(|&number| runs[number].told(k));
+            if !told
+                .iter_mut()
+                .take(active.len())
+                .all(|told| rows.next().map(|row| *told = row).is_some())
+            {
+                break;
+            }
+            lanes.tell(&told);
+        }
         let (taken, bits) = match lanes.step(models, &courses, count) {
             Outcome::Stepped(taken) => (taken, 0),
             Outcome::Failed(bits) => (1, bits),

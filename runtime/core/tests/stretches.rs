@@ -16,6 +16,8 @@ use std::sync::Arc;
 
 const PENDULUMS: usize = 6;
 const STEP: f64 = 1e-3;
+/// The largest angle (rad) of which vectors have a sine.
+const LARGEST_ANGLE: f64 = 1e6;
 
 /// Of one pendulum: inertia (kg m²), weight times arm (N m), stiffness (N/m).
 type Constants = [f64; 3];
@@ -74,11 +76,13 @@ struct Pendulums {
     layout: Arc<Layout>,
     places: Vec<Place<1, 1, 0>>,
     constants: Vec<Constants>,
+    /// Whether the first strand's natural length changes with time.
+    varies: bool,
     revision: u64,
 }
 
 impl Pendulums {
-    fn new() -> Self {
+    fn new(varies: bool) -> Self {
         let coordinate = |i| Coordinate {
             name: format!("q{i}"),
             kind: CoordinateKind::Angle,
@@ -88,8 +92,8 @@ impl Pendulums {
         };
         let strand = |i| Strand {
             name: format!("s{i}"),
-            has_rest: false,
-            rest_varies: false,
+            has_rest: varies && i == 0,
+            rest_varies: varies && i == 0,
             is_prescribed: false,
             actuator: None,
             muscle: None,
@@ -102,7 +106,7 @@ impl Pendulums {
             constraint_offset: 0,
         };
         let place = |i| Place { coordinates: [i], strands: [i], inputs: [], matrix: i, width: 1 };
-        // One strand keeps its length.
+        // The first strand follows none.
         let strands = (1..PENDULUMS).collect();
         let scenario = ScenarioLayout {
             name: "move".to_string(),
@@ -123,6 +127,7 @@ impl Pendulums {
             layout: Arc::new(layout),
             places: (0..PENDULUMS).map(place).collect(),
             constants: (0..PENDULUMS).map(constants).collect(),
+            varies,
             revision: next_revision(),
         }
     }
@@ -169,7 +174,11 @@ impl Model for Pendulums {
         }
     }
     fn inputs(&mut self, _t: f64, _inputs: &mut [f64]) {}
-    fn rests(&mut self, _t: f64, _inputs: &[f64], _rest: &mut [f64]) {}
+    fn rests(&mut self, t: f64, _inputs: &[f64], rest: &mut [f64]) {
+        if self.varies {
+            rest[0] = 0.5 + 0.03 * (9.0 * t).sin();
+        }
+    }
     fn drives(&mut self, _t: f64, _q: &mut [f64]) {}
     fn start(&mut self, q: &mut [f64], _v: &mut [f64]) {
         q.iter_mut().enumerate().for_each(|(i, q)| *q = 0.02 * i as f64);
@@ -181,7 +190,7 @@ impl Model for Pendulums {
             duration: Some(0.5),
             poses: vec![pose(0.0), pose(0.8)],
             // Begins and ends amid a stretch.
-            motions: vec![vec![(0, 0.0403), (1, 0.3307)]],
+            motions: vec![vec![(0, 0.0023), (1, 0.3307)]],
             ..ScenarioValues::default()
         }
     }
@@ -200,9 +209,9 @@ impl Model for Pendulums {
 }
 
 /// A run whose start is off by so much.
-fn run(offset: f64) -> Simulation<Pendulums> {
+fn run(offset: f64, varies: bool) -> Simulation<Pendulums> {
     let settings = Settings { start_offset: vec![offset; PENDULUMS], ..Settings::default() };
-    Simulation::new(Pendulums::new(), &settings).expect("a start")
+    Simulation::new(Pendulums::new(varies), &settings).expect("a start")
 }
 
 /// The state at the end.
@@ -227,30 +236,41 @@ fn assert_close(found: &[Vec<f64>; 3], expected: &[Vec<f64>; 3], what: &str) {
 #[test]
 fn all_ways_lead_to_the_same_motion() {
     // One test, since the width of vectors is the whole program's.
-    use_at_most(1);
-    // Vectors have no sine of the last one's angles: where it begins on lanes, it must leave them.
-    let offsets = [0.0, 1e-3, -2e-3, 4e6];
-    let expected = offsets.map(|offset| end(run(offset), 1));
-    assert!(expected[0][0].iter().skip(1).all(|q| (q - 0.8).abs() < 0.2), "{:?}", expected[0][0]);
-    for lanes in [4, 8] {
-        use_at_most(lanes);
-        for (offset, expected) in offsets.into_iter().zip(&expected) {
-            let one_by_one = end(run(offset), 1);
-            assert_close(&one_by_one, expected, "on lanes");
-            for stretch in [7, 64, 1000] {
-                assert_eq!(end(run(offset), stretch), one_by_one, "{stretch} steps in one go");
+    for varies in [false, true] {
+        use_at_most(1);
+        // Vectors have no sine of the last one's angles: where it begins on lanes, it must leave them.
+        let offsets = [0.0, 1e-3, -2e-3, 4e6];
+        let expected = offsets.map(|offset| end(run(offset, varies), 1));
+        let follow = |q: &f64| (q - 0.8).abs() < 0.2;
+        assert!(expected[0][0].iter().skip(1).all(follow), "{:?}", expected[0][0]);
+        for lanes in [4, 8] {
+            use_at_most(lanes);
+            for (offset, expected) in offsets.into_iter().zip(&expected) {
+                let one_by_one = end(run(offset, varies), 1);
+                assert_close(&one_by_one, expected, "on lanes");
+                for stretch in [7, 64, 1000] {
+                    let found = end(run(offset, varies), stretch);
+                    assert_eq!(found, one_by_one, "{stretch} steps in one go");
+                }
             }
-        }
-        let mut together = Together::new(offsets.map(run).to_vec());
-        while !together.is_over() {
-            together.advance(usize::MAX, |run, error| panic!("run {run}: {error}"));
-        }
-        for (run, expected) in together.into_runs().into_iter().zip(&expected) {
-            assert_close(
-                &[run.state.q.clone(), run.state.p.clone(), run.rest().to_vec()],
-                expected,
-                "together",
-            );
+            // The last run comes amid a stretch to where vectors have no sine: all go back then.
+            let mut runs =
+                offsets[..3].iter().map(|&offset| run(offset, varies)).collect::<Vec<_>>();
+            runs.push(run(LARGEST_ANGLE - 0.2, varies));
+            assert!(runs[3].state.q.iter().all(|&q| q < LARGEST_ANGLE));
+            let mut together = Together::new(runs);
+            while !together.is_over() {
+                together.advance(usize::MAX, |run, error| panic!("run {run}: {error}"));
+            }
+            let runs = together.into_runs();
+            assert!(runs[3].state.q.iter().any(|&q| q > LARGEST_ANGLE), "{:?}", runs[3].state.q);
+            for (run, expected) in runs.into_iter().zip(&expected[..3]) {
+                assert_close(
+                    &[run.state.q.clone(), run.state.p.clone(), run.rest().to_vec()],
+                    expected,
+                    "together",
+                );
+            }
         }
     }
 }

@@ -5,15 +5,20 @@ use super::vector::Vector;
 use crate::predict::Missed;
 use crate::step::State;
 
-/// What the world does to one run during a step.
+/// When a run's next step is.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Around<'a> {
+pub(crate) struct Around {
     /// Time at the middle (s).
     pub(crate) t: f64,
     /// Step (s).
     pub(crate) h: f64,
     /// Relative tolerance on momenta.
     pub(crate) tolerance: f64,
+}
+
+/// What one run is told in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Told<'a> {
     /// Natural lengths at the middle (m); those of followers are not read.
     pub(crate) rest: &'a [f64],
     /// Inputs at the middle.
@@ -22,10 +27,14 @@ pub(crate) struct Around<'a> {
     pub(crate) driven_q: &'a [f64],
 }
 
-impl Around<'_> {
+impl Around {
+    /// Where there is no run.
+    pub(crate) const NOTHING: Around = Around { t: 0.0, h: 1.0, tolerance: 0.0 };
+}
+
+impl Told<'_> {
     /// Nothing, where there is no run.
-    pub(crate) const NOTHING: Around<'static> =
-        Around { t: 0.0, h: 1.0, tolerance: 0.0, rest: &[], inputs: &[], driven_q: &[] };
+    pub(crate) const NOTHING: Told<'static> = Told { rest: &[], inputs: &[], driven_q: &[] };
 }
 
 /// A run as it is taken up.
@@ -40,22 +49,28 @@ pub(crate) struct TakenUp<'a> {
 }
 
 impl Lanes {
-    /// Takes up runs, which have all taken the same number of steps.
-    pub(crate) fn take_up(&mut self, runs: &[TakenUp], around: &[Around]) {
+    /// Takes up runs, which have all taken the same number of steps; with what they are told next.
+    pub(crate) fn take_up(&mut self, runs: &[TakenUp], told: &[Told]) {
         self.known = runs.first().map_or(0, |run| run.state.step);
         for vector in &mut self.vectors {
             vector.take_up(runs);
             for (k, strand) in vector.strands.iter().enumerate() {
-                vector.rest[k] = around[vector.runs[k % vector.width]].rest[*strand];
+                vector.rest[k] = told[vector.runs[k % vector.width]].rest[*strand];
             }
             vector.forget();
         }
     }
 
-    /// Hands over what the world does in the next step.
+    /// Hands over when the next step is; what the runs are told in it and later follows.
     #[inline]
-    pub(crate) fn feed(&mut self, around: &[Around]) {
-        self.vectors.iter_mut().for_each(|vector| vector.feed(around));
+    pub(crate) fn begin(&mut self, around: &[Around]) {
+        self.vectors.iter_mut().for_each(|vector| vector.begin(around));
+    }
+
+    /// Hands over what the runs are told in one more step. Where nothing changes once is enough.
+    #[inline]
+    pub(crate) fn tell(&mut self, told: &[Told]) {
+        self.vectors.iter_mut().for_each(|vector| vector.tell(told));
     }
 
     /// Writes a run's state after a step; its time and number are left to the caller.
@@ -122,7 +137,7 @@ impl Vector {
     }
 
     #[inline]
-    fn feed(&mut self, around: &[Around]) {
+    fn begin(&mut self, around: &[Around]) {
         for lane in 0..self.width {
             let around = &around[self.runs[lane]];
             self.t[lane] = around.t;
@@ -131,14 +146,31 @@ impl Vector {
             }
             self.tolerance[lane] = around.tolerance;
         }
-        for fed in &self.fed_rest {
-            self.rest[fed.place] = around[fed.run].rest[fed.index];
-        }
-        for fed in &self.fed_inputs {
-            self.inputs[fed.place] = around[fed.run].inputs[fed.index];
-        }
-        for fed in &self.fed_ends {
-            self.ends[fed.place] = around[fed.run].driven_q[fed.index];
+        self.t_first = self.t;
+        self.told.clear();
+    }
+
+    fn tell(&mut self, told: &[Told]) {
+        self.told.extend(self.fed_rest.iter().map(|fed| told[fed.run].rest[fed.index]));
+        self.told.extend(self.fed_inputs.iter().map(|fed| told[fed.run].inputs[fed.index]));
+        self.told.extend(self.fed_ends.iter().map(|fed| told[fed.run].driven_q[fed.index]));
+    }
+
+    /// Takes what it has been told for step `k` of a stretch.
+    #[inline]
+    pub(super) fn listen(&mut self, k: usize) {
+        let count = self.fed_rest.len() + self.fed_inputs.len() + self.fed_ends.len();
+        let row = self.told.get(k * count..(k + 1) * count).unwrap_or_default();
+        let mut row = row.iter();
+        let lists = [
+            (&self.fed_rest, &mut self.rest),
+            (&self.fed_inputs, &mut self.inputs),
+            (&self.fed_ends, &mut self.ends),
+        ];
+        for (fed, list) in lists {
+            for (fed, &value) in fed.iter().zip(&mut row) {
+                list[fed.place] = value;
+            }
         }
     }
 

@@ -22,7 +22,7 @@ use advance::advance;
 use arrange::Arrange;
 pub(crate) use course::{Courses, Follows};
 pub(crate) use evaluate::{Asked, EvaluationConstants, LaneEvaluation};
-pub(crate) use exchange::{Around, TakenUp};
+pub(crate) use exchange::{Around, TakenUp, Told};
 use std::sync::atomic::{AtomicU64, Ordering};
 use step::LaneStep;
 use vector::Vector;
@@ -30,7 +30,7 @@ use vector::Vector;
 /// Runs that go together at most.
 pub const RUNS: usize = 8;
 
-/// Steps that are taken in one go at most, where nothing is to be handed over between them.
+/// Steps that are taken in one go at most.
 const STRETCH: usize = 64;
 
 /// A stamp that has not been given before, for parameters that have changed.
@@ -139,16 +139,21 @@ impl Lanes {
         false
     }
 
-    /// Takes up to `count` steps, at least one, with all runs of which [`Lanes::arrange`] was asked.
-    /// More than one are taken only if nothing is to be handed over between them.
+    /// How many of `count` steps may be taken in one go.
+    pub(crate) fn reach(&self, count: usize) -> usize {
+        if self.careful > 0 { 1 } else { count.min(STRETCH) }
+    }
+
+    /// Takes `count` steps, as many as [`Lanes::reach`] allows and the runs were told of, with all runs
+    /// of which [`Lanes::arrange`] was asked; one where they do not go in one go.
     pub(crate) fn step<M: Model>(
         &mut self,
         models: &[&M],
         courses: &[Courses],
         count: usize,
     ) -> Outcome {
-        let stretch = count.min(STRETCH);
-        if stretch > 1 && self.careful == 0 {
+        let stretch = self.reach(count);
+        if stretch > 1 {
             self.vectors.iter_mut().for_each(Vector::save);
             let mut steps = LaneStep::new(&mut self.vectors, courses, self.known, Some(stretch));
             if !M::on_lanes(models, &mut steps) {

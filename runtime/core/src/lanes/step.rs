@@ -127,6 +127,7 @@ impl<
         let h = L::load(&vector.h);
         vector.iterations = 0;
         for k in 0..stretch.unwrap_or(1) {
+            vector.listen(k);
             if k > 0 {
                 let (begin, end) = ((known + k) as f64, (known + k + 1) as f64);
                 let both = L::splat(begin) * h + L::splat(end) * h;

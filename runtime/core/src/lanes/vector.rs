@@ -27,10 +27,12 @@ pub(crate) struct Vector {
     /// come first and kinematic ones after them.
     pub(super) coordinates: Vec<usize>,
     pub(super) strands: Vec<usize>,
-    /// What is handed over before every step: natural lengths, inputs, ends of kinematic coordinates.
+    /// What is handed over for every step: natural lengths, inputs, ends of kinematic coordinates.
     pub(super) fed_rest: Vec<Fed>,
     pub(super) fed_inputs: Vec<Fed>,
     pub(super) fed_ends: Vec<Fed>,
+    /// Those numbers, in this order, for each of the steps to come; one row where they stay.
+    pub(super) told: Vec<f64>,
 
     /// Constants of the shape.
     pub(super) constants: Vec<f64>,
@@ -91,8 +93,9 @@ pub(crate) struct Vector {
     pub(super) rest: Vec<f64>,
     /// Inputs at the middle of the step.
     pub(super) inputs: Vec<f64>,
-    /// Time at the middle of the step (s).
+    /// Time at the middle of the step (s), and of the first in a stretch.
     pub(super) t: [f64; WIDEST],
+    pub(super) t_first: [f64; WIDEST],
     /// Step (s), and 1 over it.
     pub(super) h: [f64; WIDEST],
     pub(super) per_h: [f64; WIDEST],
@@ -143,6 +146,7 @@ impl Vector {
             fed_rest: Vec::new(),
             fed_inputs: Vec::with_capacity(counts.inputs * width),
             fed_ends: Vec::with_capacity((counts.coordinates - counts.unknowns) * width),
+            told: Vec::new(),
             constants: Vec::new(),
             size: Vec::with_capacity(counts.unknowns * width),
             per_size: Vec::with_capacity(counts.unknowns * width),
@@ -173,6 +177,7 @@ impl Vector {
             rest: room(counts.strands),
             inputs: room(counts.inputs),
             t: [0.0; WIDEST],
+            t_first: [0.0; WIDEST],
             h: [1.0; WIDEST],
             per_h: [1.0; WIDEST],
             tolerance: [0.0; WIDEST],
@@ -200,6 +205,7 @@ impl Vector {
             left = rest;
         }
         self.saved = saved;
+        self.t = self.t_first;
         self.forget();
     }
 

@@ -1,5 +1,6 @@
 //! How a run begins: parameters, the start on the constraints, what moves no mass at rest.
 
+use super::ahead::Ahead;
 use super::{
     DEFAULT_TOLERANCE, Settings, Simulation, drives, find_coordinate, find_name, find_param,
 };
@@ -98,6 +99,7 @@ impl<M: Model> Simulation<M> {
             seen_q: vec![0.0; n],
             seen_v: vec![0.0; n],
             driven_q,
+            ahead: Ahead::default(),
             kinetic: Kinetic::default(),
             layout,
             model,

@@ -1,6 +1,6 @@
 //! A run on lanes, by itself or with others.
 
-use super::{Parts, Simulation, drives};
+use super::{Parts, Simulation};
 use crate::lanes::{Around, Courses, Follows, Lanes, TakenUp};
 use crate::model::Model;
 
@@ -20,20 +20,14 @@ impl<M: Model> Simulation<M> {
         self.steps.saturating_sub(self.state.step)
     }
 
-    /// Whether anything is handed over before every step, so that steps are taken one by one.
-    pub(crate) fn is_told(&self) -> bool {
-        self.is_told
-    }
-
     /// Takes up to `count` steps on lanes and returns how many: none, with the state untouched, where
     /// that cannot be.
     pub(super) fn steps_on_lanes(&mut self, count: usize) -> usize {
-        if !self.prepare_for_lanes() {
-            return 0;
-        }
-        let count = if self.is_told() { 1 } else { count };
-        let Parts { model, state, stepper, around, courses } = self.parts();
-        let taken = stepper.steps_on_lanes(model, state, &around, courses, count);
+        let count = self.stepper.lanes().reach(count);
+        let count = self.look_ahead(count);
+        let Parts { model, state, stepper, around, courses, ahead } = self.parts();
+        let told = |k| ahead.told(k);
+        let taken = stepper.steps_on_lanes(model, state, &around, courses, told, count);
         if taken > 0 {
             self.pass_time(taken);
             self.stepper.hold(&self.state);
@@ -43,19 +37,6 @@ impl<M: Model> Simulation<M> {
             self.stepper.lanes().write_rest(0, &mut self.rest);
         }
         taken
-    }
-
-    /// Feeds what lanes are handed in the next step; they measure what follows motions themselves.
-    /// `false` where the step cannot be taken.
-    pub(crate) fn prepare_for_lanes(&mut self) -> bool {
-        let t1 = self.next_time();
-        if self.is_fed {
-            self.feed_but_follow(0.5 * (self.state.t + t1));
-        }
-        if self.is_driven {
-            drives(&mut self.model, self.scenario, t1, &mut self.driven_q);
-        }
-        !self.is_muscular || self.excitable().is_ok()
     }
 
     /// Strands that follow motions on lanes, and strands whose natural lengths never change.
@@ -70,8 +51,8 @@ impl<M: Model> Simulation<M> {
         self.stepper.lanes().fresh()
     }
 
-    /// What the world does to this run in the next step.
-    pub(crate) fn around_on_lanes(&self) -> Around<'_> {
+    /// When this run's next step is.
+    pub(crate) fn around_on_lanes(&self) -> Around {
         self.stepper.around_on_lanes(&self.state, &self.surroundings())
     }
 
@@ -93,6 +74,7 @@ impl<M: Model> Simulation<M> {
 
     /// After so many steps on lanes.
     fn pass_time(&mut self, taken: usize) {
+        self.catch_up(taken);
         self.state.step += taken - 1;
         let Parts { state, stepper, around, .. } = self.parts();
         stepper.pass_time(state, &around);

@@ -1,7 +1,7 @@
 //! Steps on lanes, by one run alone.
 
 use super::{State, Stepper, Surroundings};
-use crate::lanes::{Around, Courses, Lanes, Outcome, TakenUp};
+use crate::lanes::{Around, Courses, Lanes, Outcome, TakenUp, Told};
 use crate::model::Model;
 
 /// Steps for which lanes are left alone after they have failed, at most.
@@ -54,34 +54,24 @@ impl Stepper {
         &mut self.on_lanes.lanes
     }
 
-    /// What lanes need to know of the world.
-    pub(crate) fn around_on_lanes<'a>(
-        &self,
-        state: &State,
-        around: &Surroundings<'a>,
-    ) -> Around<'a> {
-        Around {
-            t: 0.5 * (state.t + around.t1),
-            h: around.h,
-            tolerance: self.tolerance,
-            rest: around.rest,
-            inputs: around.inputs,
-            driven_q: around.driven_q,
-        }
+    /// When the next step is, for lanes.
+    pub(crate) fn around_on_lanes(&self, state: &State, around: &Surroundings) -> Around {
+        Around { t: 0.5 * (state.t + around.t1), h: around.h, tolerance: self.tolerance }
     }
 
-    /// Takes up to `count` steps on lanes, more than one only where nothing is to be handed over between
-    /// them, and returns how many: none, with the state untouched, where the model or the machine has
+    /// Takes up to `count` steps on lanes, which are `told` what they need, and returns how many: none, with the state untouched, where the model or the machine has
     /// no lanes, or where Newton's method needs more than they can do. Then there is time to pass and
     /// the state to be held.
-    pub(crate) fn steps_on_lanes<M: Model>(
+    pub(crate) fn steps_on_lanes<'t, M: Model>(
         &mut self,
         model: &M,
         state: &mut State,
         around: &Surroundings,
         courses: Courses,
+        told: impl Fn(usize) -> Option<Told<'t>>,
         count: usize,
     ) -> usize {
+        let Some(first) = told(0) else { return 0 };
         if !self.may_use_lanes(state) {
             return 0;
         }
@@ -89,9 +79,10 @@ impl Stepper {
         let on_lanes = &mut self.on_lanes;
         if !on_lanes.lanes.arrange(&[model]) || !on_lanes.holds(state) {
             let (missed, stiffest) = (&self.predictor.missed, &self.stiffest[..]);
-            on_lanes.lanes.take_up(&[TakenUp { state, missed, stiffest }], &on_lane);
+            on_lanes.lanes.take_up(&[TakenUp { state, missed, stiffest }], &[first]);
         }
-        on_lanes.lanes.feed(&on_lane);
+        on_lanes.lanes.begin(&on_lane);
+        (0..count).map_while(told).for_each(|told| on_lanes.lanes.tell(&[told]));
         match on_lanes.lanes.step(&[model], &[courses], count) {
             Outcome::Unavailable => {
                 on_lanes.is_possible = false;

@@ -20,7 +20,7 @@ mod report;
 
 use crate::error::StepError;
 use crate::internal;
-use crate::lanes::{Courses, EvaluationConstants, Kinds, Lanes};
+use crate::lanes::{Courses, EvaluationConstants, Kinds, Lanes, Told};
 use crate::layout::{CoordinateKind, Layout};
 use crate::model::Model;
 use crate::predict::{DEGREES, Differences, Predictor};
@@ -242,7 +242,9 @@ impl Stepper {
         around: &Surroundings,
     ) -> Result<(), StepError> {
         let nothing_follows = Courses { poses: &[], motions: &[] };
-        if self.steps_on_lanes(model, state, around, nothing_follows, 1) > 0 {
+        let Surroundings { rest, inputs, driven_q, .. } = *around;
+        let told = |_| Some(Told { rest, inputs, driven_q });
+        if self.steps_on_lanes(model, state, around, nothing_follows, told, 1) > 0 {
             self.pass_time(state, around);
             self.hold(state);
             return Ok(());
