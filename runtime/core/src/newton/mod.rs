@@ -206,8 +206,10 @@ pub(crate) fn newton<
         }
         let (merit, finite) = merit(&at.r, &per_scale);
         let converged = merit.less_equal(L::splat(1.0)) & finite & !done;
-        hold(converged, &at.force, &mut end.force);
-        done |= converged;
+        if converged != 0 {
+            hold(converged, &at.force, &mut end.force);
+            done |= converged;
+        }
         if done == L::ALL {
             kept.serves = good == L::ALL;
             end.failed = 0;
@@ -218,12 +220,6 @@ pub(crate) fn newton<
         }
         let mut next = multiply::<L, N>(kept.inverse, &at.r);
         if is_corrected {
-            let secant = Secant::new(&correction, &next, start);
-            // What the correction did is told to the inverse, unless rounding did it.
-            let told = L::splat(AUDIBLE).less(before) & secant.is_sound() & finite & !done;
-            for i in 0..N {
-                next[i] = L::choose(told, secant.stretch * next[i], next[i]);
-            }
             // How far the half step's impulse was foretold wrongly: the next time it will be by as
             // much less as the residual has fallen.
             let mut missed = zero;
@@ -236,27 +232,40 @@ pub(crate) fn newton<
             let linear = left.less_equal(L::splat(LINEAR_END) * before) & finite & !done;
             if linear != 0 {
                 end.iterations += 1;
+                correct(linear, &mut end.delta, &next);
+                let mut force = foretold;
                 for i in 0..N {
-                    end.delta[i] = L::choose(linear, end.delta[i] - next[i], end.delta[i]);
-                    let force = foretold[i] * (per_h + per_h);
-                    end.force[i] = L::choose(linear, force, end.force[i]);
+                    force[i] = foretold[i] * (per_h + per_h);
                 }
+                hold(linear, &force, &mut end.force);
+                done |= linear;
             }
-            done |= linear;
-            if done != L::ALL {
-                // The residual hardly falls and the correction is rounding: the floor.
-                let mut largest = zero;
+            if done == L::ALL {
+                kept.serves = true;
+                end.failed = 0;
+                return end;
+            }
+            // What the correction did is told to the inverse, unless rounding did it.
+            let secant = Secant::new(&correction, &next, start);
+            let told = L::splat(AUDIBLE).less(before) & secant.is_sound() & finite & !done;
+            if told != 0 {
                 for i in 0..N {
-                    let size = start.q[i].abs().max(start.size[i]);
-                    largest = largest.max(correction[i].abs() / size);
+                    next[i] = L::choose(told, secant.stretch * next[i], next[i]);
                 }
-                let stagnant = (L::splat(0.1) * before).less(merit)
-                    & largest.less_equal(L::splat(STAGNATION))
-                    & finite;
-                let stagnant = stagnant & !done;
-                hold(stagnant, &at.force, &mut end.force);
-                done |= stagnant;
+                foretold = at.foretell(&next, kept.mass, half_h, per_h);
             }
+            // The residual hardly falls and the correction is rounding: the floor.
+            let mut largest = zero;
+            for i in 0..N {
+                let size = start.q[i].abs().max(start.size[i]);
+                largest = largest.max(correction[i].abs() / size);
+            }
+            let stagnant = (L::splat(0.1) * before).less(merit)
+                & largest.less_equal(L::splat(STAGNATION))
+                & finite;
+            let stagnant = stagnant & !done;
+            hold(stagnant, &at.force, &mut end.force);
+            done |= stagnant;
             let falls = (merit.less(before) & finite) | done;
             if falls != L::ALL {
                 if end.matrices > 0 {
@@ -291,9 +300,7 @@ pub(crate) fn newton<
             foretold = at.foretell(&next, kept.mass, half_h, per_h);
         }
         end.iterations += 1;
-        for i in 0..N {
-            end.delta[i] = L::choose(done, end.delta[i], end.delta[i] - next[i]);
-        }
+        correct(!done & L::ALL, &mut end.delta, &next);
         (correction, before) = (next, merit);
         (renews, is_corrected) = (false, true);
     }
@@ -305,7 +312,26 @@ pub(crate) fn newton<
 /// Keeps the force of lanes that are done.
 #[inline(always)]
 fn hold<L: Lane, const N: usize>(bits: u8, force: &[L; N], kept: &mut [L; N]) {
+    if bits == L::ALL {
+        *kept = *force;
+        return;
+    }
     for i in 0..N {
         kept[i] = L::choose(bits, force[i], kept[i]);
+    }
+}
+
+/// Corrects the increment in the lanes whose bits are set. Where all are, nothing waits for the bits,
+/// which come late: the processor goes on before it knows them.
+#[inline(always)]
+fn correct<L: Lane, const N: usize, const Q: usize>(bits: u8, delta: &mut [L; Q], by: &[L; N]) {
+    if bits == L::ALL {
+        for i in 0..N {
+            delta[i] = delta[i] - by[i];
+        }
+        return;
+    }
+    for i in 0..N {
+        delta[i] = L::choose(bits, delta[i] - by[i], delta[i]);
     }
 }
