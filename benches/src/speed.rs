@@ -29,7 +29,19 @@ struct Case {
     finer: usize,
     /// Targets of a step alone and in an ensemble (µs).
     targets: [Option<f64>; 2],
+    /// What MuJoCo's Euler took on the machine for which they were set (µs).
+    then: [Option<f64>; 2],
 }
+
+/// What was tried for steps that take longer than their target, alone and in an ensemble.
+const TRIED: [&str; 2] = [
+    "The targets in microseconds are those of one machine; the ratio says how this one compares. \
+     A step alone waits for its own values: evaluation, correction, evaluation. What helped and what did not \
+     is in docs/performance.md.",
+    "Two evaluations a step are left where copies are alike, and more where vibrations of stiff strands \
+     differ from lane to lane. Tried: vectors whose passes take turns, lists that begin at cache lines, two vectors as one, \
+     earlier renewal of inverses; none was faster (docs/performance.md).",
+];
 
 const CASES: [Case; 3] = [
     Case {
@@ -39,6 +51,7 @@ const CASES: [Case; 3] = [
         copies: 32,
         finer: 1,
         targets: [Some(1.0), Some(0.25)],
+        then: [Some(9.0), Some(9.6)],
     },
     Case {
         file: "finger",
@@ -48,6 +61,7 @@ const CASES: [Case; 3] = [
         // At the scenario's 10 ms MuJoCo diverges.
         finer: 10,
         targets: [Some(0.2), Some(0.04)],
+        then: [Some(1.9), Some(1.9)],
     },
     Case {
         file: "grasp",
@@ -56,6 +70,7 @@ const CASES: [Case; 3] = [
         copies: 16,
         finer: 1,
         targets: [Some(6.0), None],
+        then: [None, None],
     },
 ];
 
@@ -63,6 +78,7 @@ const CASES: [Case; 3] = [
 #[derive(Default)]
 struct Times {
     alone: Series,
+    alike: Series,
     together: Series,
     gain: Series,
     rivals: Vec<Series>,
@@ -91,6 +107,8 @@ pub(crate) fn rows(
         what: "hand, a step of the interpreter (us)".into(),
         own: Ok(times),
         target: Some(Target::Most(10.0)),
+        ratio: None,
+        tried: "",
         rivals: Vec::new(),
     });
     let hand = crates.iter().find(|c| c.name == "hand").ok_or("no hand")?;
@@ -98,6 +116,8 @@ pub(crate) fn rows(
         what: "hand, operations of residual and matrix".into(),
         own: operations(&hand.report).map(|n| Series(vec![n])),
         target: Some(Target::Most(3600.0)),
+        ratio: None,
+        tried: "Four fingers share one set of equations here, with terms that vanish in some of them.",
         rivals: Vec::new(),
     });
     let mut compile = Series(vec![hand.seconds]);
@@ -113,7 +133,14 @@ pub(crate) fn rows(
         ("release build of its crate from scratch (s)", build, 20.0),
     ] {
         let target = Some(Target::Most(most));
-        rows.push(Row { what: what.into(), own: Ok(series), target, rivals: Vec::new() });
+        rows.push(Row {
+            what: what.into(),
+            own: Ok(series),
+            target,
+            ratio: None,
+            tried: "",
+            rivals: Vec::new(),
+        });
     }
     Ok(rows)
 }
@@ -157,6 +184,8 @@ fn measure(
         }
         let base = ["--scenario", scenario, "--instances", &copies, "--threads"];
         let options = |threads| [&base[..], &[threads], &spread, &duration].concat();
+        let alike = own.run(made, &[&base[..], &["1"], &duration].concat())?;
+        times.alike.0.push(alike.wall * 1e6 / alike.steps);
         let one = own.run(made, &options("1"))?;
         let two = own.run(made, &options("2"))?;
         times.together.0.push(one.wall * 1e6 / one.steps);
@@ -186,6 +215,18 @@ fn as_rows(case: &Case, times: Times, failed: Option<String>) -> Vec<Row> {
         n => format!("; MuJoCo at 1/{n} of the step, else it diverges"),
     };
     let target = |most: Option<f64>| most.map(Target::Most);
+    let ratio = |k: usize| Some(case.then[k]? / case.targets[k]?);
+    let ensemble = |how: &str, own, rival| Row {
+        what: format!(
+            "{}, a step of a copy in an ensemble on one core, copies {how} (us)",
+            case.file
+        ),
+        own: Ok(own),
+        target: target(case.targets[1]),
+        ratio: ratio(1),
+        tried: TRIED[1],
+        rivals: vec![("rollout, Euler".into(), rival)],
+    };
     let [one, two] = times.rivals_together;
     let gain = Series(one.0.iter().zip(&two.0).map(|(a, b)| a / b).collect());
     let names = INTEGRATORS.iter().map(|name| (*name).to_string());
@@ -194,18 +235,18 @@ fn as_rows(case: &Case, times: Times, failed: Option<String>) -> Vec<Row> {
             what: format!("{}, a step (us){finer}", case.file),
             own: Ok(times.alone),
             target: target(case.targets[0]),
+            ratio: ratio(0),
+            tried: TRIED[0],
             rivals: names.zip(times.rivals.into_iter().map(told)).collect(),
         },
-        Row {
-            what: format!("{}, a step of a copy in an ensemble on one core (us)", case.file),
-            own: Ok(times.together),
-            target: target(case.targets[1]),
-            rivals: vec![("rollout, Euler".into(), told(one))],
-        },
+        ensemble("alike", times.alike, told(one.clone())),
+        ensemble("1e-4 rad apart", times.together, told(one)),
         Row {
             what: format!("{}, gain of an ensemble on two threads", case.file),
             own: Ok(times.gain),
             target: Some(Target::Least(1.9)),
+            ratio: None,
+            tried: "A gain of two threads needs two idle cores.",
             rivals: vec![("rollout".into(), told(gain))],
         },
     ]

@@ -38,6 +38,10 @@ pub(crate) struct Row {
     pub(crate) own: Result<Series, String>,
     /// The target.
     pub(crate) target: Option<Target>,
+    /// How many times as long the first rival should take: a target that does not depend on the machine.
+    pub(crate) ratio: Option<f64>,
+    /// What was tried where the target is not met.
+    pub(crate) tried: &'static str,
     /// Rivals and their figures.
     pub(crate) rivals: Vec<(String, Result<Series, String>)>,
 }
@@ -61,6 +65,15 @@ impl Row {
         if met { "met" } else { "not met" }
     }
 
+    /// The ratio to the first rival, and whether it is what is asked.
+    fn ratio_text(&self) -> String {
+        let (Some(asked), Ok(own)) = (self.ratio, &self.own) else { return String::new() };
+        let Some((_, Ok(rival))) = self.rivals.first() else { return String::new() };
+        let found = self.best(rival) / self.best(own);
+        let verdict = if found >= asked { "met" } else { "not met" };
+        format!("{}x of {}x: {verdict}", figure(found), figure(asked))
+    }
+
     fn target_text(&self) -> String {
         match self.target {
             Some(Target::Most(most)) => format!("<= {most}"),
@@ -73,8 +86,8 @@ impl Row {
 /// The rows as markdown.
 pub(crate) fn markdown(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| what | best | median | target | | MuJoCo, best (median): times handc's best |\n\
-         |---|---|---|---|---|---|\n",
+        "| what | best | median | target | | as a ratio | MuJoCo, best (median): times handc's best |\n\
+         |---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         let (best, median) = match &row.own {
@@ -95,12 +108,15 @@ pub(crate) fn markdown(rows: &[Row]) -> String {
                 Err(reason) => format!("{name}: {reason}"),
             })
             .collect();
-        let (target, verdict) = (row.target_text(), row.verdict());
+        let (target, verdict, ratio) = (row.target_text(), row.verdict(), row.ratio_text());
         text.push_str(&format!(
-            "| {} | {best} | {median} | {target} | {verdict} | {} |\n",
+            "| {} | {best} | {median} | {target} | {verdict} | {ratio} | {} |\n",
             row.what,
             rivals.join("; ")
         ));
+    }
+    for row in rows.iter().filter(|row| row.verdict() == "not met" && !row.tried.is_empty()) {
+        text.push_str(&format!("\nNot met: {}. {}\n", row.what, row.tried));
     }
     text
 }
