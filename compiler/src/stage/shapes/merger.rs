@@ -6,7 +6,7 @@ use crate::emit::Output;
 use crate::graph::{Leaf, Node, Sym, label_of, rebuild_binary, rebuild_unary, with_origin};
 use crate::stage::{Module, Task};
 use handc_core::scalar::Scalar;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Walks the expressions of like parts side by side.
 pub(super) struct Merger<'a, 'b> {
@@ -26,16 +26,24 @@ impl<'a, 'b> Merger<'a, 'b> {
             table: vec![Vec::new(); parts.len()],
         };
         let first = parts[0];
+        for tuple in merger.reachable()? {
+            let operands = merger.operands(&tuple)?;
+            let labels: Vec<String> = tuple.iter().map(|&s| label_of(s)).collect();
+            let labels: Vec<&str> = labels.iter().map(String::as_str).collect();
+            let made = with_origin(&shared(&labels), || merger.make(&tuple, &operands))?;
+            merger.known.insert(tuple, made);
+        }
         let mut tasks = Vec::new();
         for (t, task) in first.tasks.iter().enumerate() {
             let mut outputs = Vec::new();
             for (o, output) in task.outputs.iter().enumerate() {
-                let values = parts.iter().map(|part| part.tasks[t].outputs[o].value).collect();
+                let values: Vec<Sym> =
+                    parts.iter().map(|part| part.tasks[t].outputs[o].value).collect();
                 let labels: Vec<&str> =
                     parts.iter().map(|part| part.tasks[t].outputs[o].label.as_str()).collect();
                 outputs.push(Output {
                     place: first.output(&output.place),
-                    value: merger.symbol(values)?,
+                    value: merger.known[&values],
                     label: shared(&labels),
                 });
             }
@@ -50,27 +58,27 @@ impl<'a, 'b> Merger<'a, 'b> {
         Some((shape, tasks))
     }
 
-    /// The one expression of which the parts' are instances.
-    fn symbol(&mut self, symbols: Vec<Sym>) -> Option<Sym> {
-        // Deep expressions are built from below.
-        let mut open = vec![symbols.clone()];
-        while let Some(top) = open.last().cloned() {
-            if self.known.contains_key(&top) {
-                open.pop();
-                continue;
-            }
-            let operands = self.operands(&top)?;
-            let before = open.len();
-            open.extend(operands.iter().filter(|o| !self.known.contains_key(*o)).cloned());
-            if open.len() == before {
-                let labels: Vec<String> = top.iter().map(|&s| label_of(s)).collect();
-                let labels: Vec<&str> = labels.iter().map(String::as_str).collect();
-                let made = with_origin(&shared(&labels), || self.make(&top, &operands))?;
-                self.known.insert(top, made);
-                open.pop();
+    /// What is to be merged, over all results of all tasks, in the order in which the mechanics made
+    /// it for the first part. Emission goes by this order, term by term; result by result it would be
+    /// lost. Operands stand before their uses, as they do there.
+    fn reachable(&self) -> Option<Vec<Vec<Sym>>> {
+        let results = |(t, task): (usize, &&Task)| {
+            let tuple = move |o: usize| {
+                self.parts.iter().map(|part| part.tasks[t].outputs[o].value).collect()
+            };
+            (0..task.outputs.len()).map(tuple).collect::<Vec<Vec<Sym>>>()
+        };
+        let mut open: Vec<Vec<Sym>> =
+            self.parts[0].tasks.iter().enumerate().flat_map(results).collect();
+        let mut seen: HashSet<Vec<Sym>> = HashSet::new();
+        while let Some(tuple) = open.pop() {
+            if seen.insert(tuple.clone()) {
+                open.extend(self.operands(&tuple)?);
             }
         }
-        self.known.get(&symbols).copied()
+        let mut all: Vec<Vec<Sym>> = seen.into_iter().collect();
+        all.sort_unstable_by_key(|tuple| tuple.iter().map(|s| s.index()).collect::<Vec<_>>());
+        Some(all)
     }
 
     /// Operands that are to be merged first, tuple by tuple.
