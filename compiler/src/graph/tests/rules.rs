@@ -34,6 +34,39 @@ fn sums() {
 }
 
 #[test]
+fn a_common_factor_is_taken_out_where_the_rest_cancels() {
+    with_new(|| {
+        let [f, z] = [2, 3].map(|index| Sym::leaf(Leaf::Q(index)));
+        // f·(x + (z − x)), and the other way round.
+        assert_eq!(f * x() + f * (z - x()), f * z);
+        assert_eq!((z - x()) * f + x() * f, f * z);
+        // f·((x + y) − y), f·(x − (x + y)) and f·(x − (x − y)).
+        assert_eq!(f * (x() + y()) - f * y(), f * x());
+        assert_eq!(f * x() - f * (x() + y()), -(f * y()));
+        assert_eq!(f * x() - f * (x() - y()), f * y());
+        // f·((x − y) − x).
+        assert_eq!(f * (x() - y()) - f * x(), -(f * y()));
+    });
+}
+
+#[test]
+fn a_common_factor_stays_where_nothing_cancels() {
+    with_new(|| {
+        let [f, z] = [2, 3].map(|index| Sym::leaf(Leaf::Q(index)));
+        let (fx, fy) = (f * x(), f * y());
+        assert_eq!(node(fx + fy), Node::Binary(Binary::Add, fx, fy));
+        assert_eq!(node(fx - fy), Node::Binary(Binary::Sub, fx, fy));
+        // The rest would be 2·x − z or x + y + y.
+        let (less, more) = (f * (x() - z), f * (x() + y()));
+        assert_eq!(node(fx + less), Node::Binary(Binary::Add, fx, less));
+        assert_eq!(node(more + fy), Node::Binary(Binary::Add, fy, more));
+        // Another factor.
+        let other = z * (y() - x());
+        assert_eq!(node(fx + other), Node::Binary(Binary::Add, fx, other));
+    });
+}
+
+#[test]
 fn products() {
     with_new(|| {
         assert_eq!(x() * c(0.0), c(0.0));
