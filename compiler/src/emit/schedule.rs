@@ -1,7 +1,7 @@
 //! The order of statements: depth first from each partial sum in turn, so that a value is made
 //! shortly before its first use and what belongs to one term of the mechanics stands together.
 
-use super::code::{Expression, Fused, Output, Statement};
+use super::code::{Expression, Fused, Output, Place, Statement};
 use super::plan::Plan;
 use crate::graph::{Binary, Node, Sym, Unary, node};
 use std::collections::{HashMap, HashSet};
@@ -30,10 +30,16 @@ pub fn schedule(outputs: &[Output], plan: &Plan) -> Schedule {
     }
     for &(sum, number) in plan.sums() {
         scheduler.make(sum, number);
-        for &number in stores.get(&sum).into_iter().flatten() {
+        let is_stored = |number: &&usize| outputs[**number].place != Place::Return;
+        for &number in stores.get(&sum).into_iter().flatten().filter(is_stored) {
             let value = scheduler.operand(sum);
             scheduler.push(Statement::Store(number, value), number);
         }
+    }
+    // A function ends with what it returns.
+    for (number, output) in outputs.iter().enumerate().filter(|(_, o)| o.place == Place::Return) {
+        let value = scheduler.operand(output.value);
+        scheduler.push(Statement::Store(number, value), number);
     }
     scheduler.result
 }

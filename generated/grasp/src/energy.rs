@@ -7,7 +7,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 
 /// Potential energy (J): gravity, strands, springs and elastic limits.
 ///
-/// 880 operations: 159 sums, 190 products, 231 products with sum, 49 roots, 20 sines and cosines.
+/// 881 operations: 158 sums, 192 products, 231 products with sum, 49 roots, 20 sines and cosines.
 pub fn potential(
     q: &[f64; COORDINATES],
     rest: &[f64; STRANDS],
@@ -546,10 +546,17 @@ pub fn potential(
     let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
     let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_fpl_3 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab)
-        + (thumb_fpl_2 - thumb_fpl_1);
+    let thumb_fpl_3 = mul_add(
+        0.008000000000000004,
+        cos_thumb_ab,
+        0.0029999999999999996 * sin_thumb_ab,
+    ) + (thumb_fpl_2 - thumb_fpl_1);
     let thumb_fpl_4 = -0.002
-        - neg_mul_add(0.003, cos_thumb_ab, 0.008000000000000002 * sin_thumb_ab);
+        - neg_mul_add(
+            0.0029999999999999996,
+            cos_thumb_ab,
+            0.008000000000000004 * sin_thumb_ab,
+        );
     let thumb_fpl_5 = 0.012000000000000004 - (thumb_fpl_2 + thumb_fpl_1);
     let thumb_fpl_6 = mul_add(
         thumb_fpl_5,
@@ -573,58 +580,64 @@ pub fn potential(
     let thumb_fpl_9 = 0.0774786774042295 + sqrt(thumb_fpl_6) + thumb_fpl_7 + thumb_fpl_8
         - rest_thumb_fpl;
     let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = 0.004 * cos_thumb_ab;
-    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2) + thumb_epl_1;
-    let thumb_epl_4 = 0.004 * sin_thumb_ab;
-    let thumb_epl_5 = -0.008 - neg_mul_add(0.008, cos_thumb_ab, thumb_epl_4);
-    let thumb_epl_6 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_7 = -0.012 + thumb_epl_6;
-    let thumb_epl_8 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
-        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
+    let thumb_epl_2 = mul_add(0.004, cos_thumb_ab, 0.008 * sin_thumb_ab) + thumb_epl_1;
+    let thumb_epl_3 = -0.008 - neg_mul_add(0.008, cos_thumb_ab, 0.004 * sin_thumb_ab);
+    let thumb_epl_4 = -0.012000000000000004
+        + neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_5 = mul_add(
+        thumb_epl_4,
+        thumb_epl_4,
+        mul_add(thumb_epl_2, thumb_epl_2, thumb_epl_3 * thumb_epl_3),
     );
-    let thumb_epl_9 = sqrt(
+    let thumb_epl_6 = sqrt(
         0.00025309000000000003
             - mul_sub(0.00023099999999999998, cos_thumb_mcp, 0.0001034 * sin_thumb_mcp),
     );
-    let thumb_epl_10 = sqrt(
+    let thumb_epl_7 = sqrt(
         0.00021066000000000002
             - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
     );
-    let thumb_epl_11 = 0.10924140044546013 + sqrt(thumb_epl_8) + thumb_epl_9
-        + thumb_epl_10 - rest_thumb_epl;
+    let thumb_epl_8 = 0.10924140044546013 + sqrt(thumb_epl_5) + thumb_epl_6 + thumb_epl_7
+        - rest_thumb_epl;
     let energy_9 = mul_add(
         0.5,
-        thumb_epl_11 * (k_extensor * thumb_epl_11),
+        thumb_epl_8 * (k_extensor * thumb_epl_8),
         mul_add(0.5, thumb_fpl_9 * (k_flexor * thumb_fpl_9), energy_8),
     );
     let thumb_epb_1 = thumb_epl_1
-        - mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
-    let thumb_epb_2 = 0.005 - mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_4);
-    let thumb_epb_3 = -0.012000000000000004 + thumb_epl_6;
-    let thumb_epb_4 = mul_add(
-        thumb_epb_3,
-        thumb_epb_3,
+        - neg_mul_add(
+            0.003999999999999999,
+            cos_thumb_ab,
+            0.005000000000000001 * sin_thumb_ab,
+        );
+    let thumb_epb_2 = 0.005
+        - mul_add(
+            0.005000000000000001,
+            cos_thumb_ab,
+            0.003999999999999999 * sin_thumb_ab,
+        );
+    let thumb_epb_3 = mul_add(
+        thumb_epl_4,
+        thumb_epl_4,
         mul_add(thumb_epb_1, thumb_epb_1, thumb_epb_2 * thumb_epb_2),
     );
-    let thumb_epb_5 = thumb_epl_9 + (0.07536380062479958 + sqrt(thumb_epb_4))
+    let thumb_epb_4 = thumb_epl_6 + (0.07536380062479958 + sqrt(thumb_epb_3))
         - rest_thumb_epb;
     let thumb_apl_1 = 0.006 * cos_thumb_cmc;
     let thumb_apl_2 = mul_add(0.004, sin_thumb_cmc, thumb_apl_1)
         - neg_mul_add(
             0.007000000000000001,
             cos_thumb_ab,
-            0.012000000000000002 * sin_thumb_ab,
+            0.012000000000000004 * sin_thumb_ab,
         );
     let thumb_apl_3 = 0.012
         - mul_add(
-            0.012000000000000002,
+            0.012000000000000004,
             cos_thumb_ab,
             0.007000000000000001 * sin_thumb_ab,
         );
     let thumb_apl_4 = 0.006 * sin_thumb_cmc;
-    let thumb_apl_5 = -0.005000000000000003 + mul_sub(0.004, cos_thumb_cmc, thumb_apl_4);
+    let thumb_apl_5 = -0.005 + mul_sub(0.004, cos_thumb_cmc, thumb_apl_4);
     let thumb_apl_6 = mul_add(
         thumb_apl_5,
         thumb_apl_5,
@@ -634,21 +647,21 @@ pub fn potential(
     let energy_10 = mul_add(
         0.5,
         thumb_apl_7 * (k_intrinsic * thumb_apl_7),
-        mul_add(0.5, thumb_epb_5 * (k_intrinsic * thumb_epb_5), energy_9),
+        mul_add(0.5, thumb_epb_4 * (k_intrinsic * thumb_epb_4), energy_9),
     );
     let thumb_apb_1 = mul_sub(0.03, cos_thumb_cmc, 0.007 * sin_thumb_cmc)
         - neg_mul_add(
             0.00874910502142235,
             cos_thumb_ab,
-            0.003271760106466038 * sin_thumb_ab,
+            0.003271760106466037 * sin_thumb_ab,
         );
     let thumb_apb_2 = 0.009
         - mul_add(
-            0.003271760106466038,
+            0.003271760106466037,
             cos_thumb_ab,
             0.00874910502142235 * sin_thumb_ab,
         );
-    let thumb_apb_3 = 0.013294688681193689
+    let thumb_apb_3 = 0.01329468868119369
         - mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
     let thumb_apb_4 = mul_add(
         thumb_apb_3,
@@ -664,11 +677,11 @@ pub fn potential(
     let thumb_opp_1 = mul_add(
         0.009538977305795334,
         cos_thumb_ab,
-        0.0004652729262143015 * sin_thumb_ab,
+        0.00046527292621430325 * sin_thumb_ab,
     ) + mul_sub(0.028, cos_thumb_cmc, 0.01 * sin_thumb_cmc);
     let thumb_opp_2 = 0.004
         - neg_mul_add(
-            0.0004652729262143015,
+            0.00046527292621430325,
             cos_thumb_ab,
             0.009538977305795334 * sin_thumb_ab,
         );
@@ -689,15 +702,15 @@ pub fn potential(
         - mul_sub(
             0.025486067515228545,
             cos_thumb_ab,
-            0.029821276684971587 * sin_thumb_ab,
+            0.029821276684971594 * sin_thumb_ab,
         );
     let thumb_adp_2 = -0.009
         + mul_add(
-            0.029821276684971587,
+            0.029821276684971594,
             cos_thumb_ab,
             0.025486067515228545 * sin_thumb_ab,
         );
-    let thumb_adp_3 = 0.040658969729785124
+    let thumb_adp_3 = 0.04065896972978512
         - mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_1);
     let thumb_adp_4 = mul_add(
         thumb_adp_3,
@@ -800,10 +813,10 @@ pub fn potential(
     let energy_33 = mul_add(
         cos_thumb_cmc,
         energy_32,
-        0.5295322319119194 * sin_thumb_cmc,
+        0.5295322319119196 * sin_thumb_cmc,
     );
     let energy_34 = mul_sub(
-        0.5295322319119194,
+        0.5295322319119196,
         cos_thumb_cmc,
         sin_thumb_cmc * energy_32,
     );

@@ -9,7 +9,7 @@ use handc_core::math::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79), `middle.fdp` (digit.hdl:55), `middle.edc` (digit.hdl:64), `middle.interosseous` (digit.hdl:72), `middle.band` (digit.hdl:79), `ring.fdp` (digit.hdl:55), `ring.edc` (digit.hdl:64), `ring.interosseous` (digit.hdl:72), `ring.band` (digit.hdl:79), `little.fdp` (digit.hdl:55), `little.edc` (digit.hdl:64), `little.interosseous` (digit.hdl:72), `little.band` (digit.hdl:79), `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-/// 904 operations: 89 sums, 241 products, 228 products with sum, 49 divisions, 49 roots, 20 sines and cosines.
+/// 888 operations: 86 sums, 240 products, 222 products with sum, 49 divisions, 49 roots, 20 sines and cosines.
 pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let q_index_ab = q[coordinate::INDEX_AB];
     let q_index_mcp = q[coordinate::INDEX_MCP];
@@ -34,30 +34,26 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
     let index_fdp_1 = mul_sub(0.012, cos_index_mcp, 0.01 * sin_index_mcp);
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
-    let index_fdp_2 = mul_add(
-        0.012,
-        cos_index_ab,
-        1.0842021724855044e-19 * sin_index_ab,
-    );
-    let index_fdp_3 = index_fdp_2 + index_fdp_1;
-    let index_fdp_4 = neg_mul_add(
+    let index_fdp_2 = mul_add(0.012, cos_index_ab, 1.0842021724855044e-19 * sin_index_ab)
+        + index_fdp_1;
+    let index_fdp_3 = neg_mul_add(
         1.0842021724855044e-19,
         cos_index_ab,
         0.012 * sin_index_ab,
     );
-    let index_fdp_5 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
-    let index_fdp_6 = 0.011 - index_fdp_5;
-    let index_fdp_7 = mul_add(
-        index_fdp_6,
-        index_fdp_6,
-        mul_add(index_fdp_3, index_fdp_3, index_fdp_4 * index_fdp_4),
+    let index_fdp_4 = mul_add(0.01, cos_index_mcp, 0.012 * sin_index_mcp);
+    let index_fdp_5 = 0.011 - index_fdp_4;
+    let index_fdp_6 = mul_add(
+        index_fdp_5,
+        index_fdp_5,
+        mul_add(index_fdp_2, index_fdp_2, index_fdp_3 * index_fdp_3),
     );
-    let index_fdp_8 = 1.0 / sqrt(index_fdp_7);
-    arms[0] = index_fdp_8 * mul_sub(index_fdp_2, index_fdp_4, index_fdp_4 * index_fdp_3);
-    arms[1] = -(index_fdp_8
-        * mul_add(index_fdp_5, index_fdp_3, index_fdp_1 * index_fdp_6));
+    let index_fdp_7 = 1.0 / sqrt(index_fdp_6);
+    arms[0] = -(index_fdp_7 * (index_fdp_3 * index_fdp_1));
+    arms[1] = -(index_fdp_7
+        * mul_add(index_fdp_4, index_fdp_2, index_fdp_1 * index_fdp_5));
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_fdp_9 = sqrt(
+    let index_fdp_8 = sqrt(
         0.000354510464
             - neg_mul_add(
                 6.297599999999999e-5,
@@ -65,44 +61,42 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
                 0.000345344 * sin_index_pip,
             ),
     );
-    let index_fdp_10 = mul_add(
+    let index_fdp_9 = mul_add(
         3.1487999999999994e-5,
         sin_index_pip,
         0.000172672 * cos_index_pip,
-    ) / index_fdp_9;
-    arms[2] = -index_fdp_10;
+    ) / index_fdp_8;
+    arms[2] = -index_fdp_9;
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_fdp_11 = sqrt(
+    let index_fdp_10 = sqrt(
         0.00015491888400000003
             - mul_add(1.463168000000001e-5, cos_index_dip, 0.000152684 * sin_index_dip),
     );
     arms[3] = mul_sub(7.315840000000005e-6, sin_index_dip, 7.6342e-5 * cos_index_dip)
-        / index_fdp_11;
+        / index_fdp_10;
     let index_edc_1 = mul_add(0.003, cos_index_mcp, 0.0105 * sin_index_mcp);
     let index_edc_2 = mul_add(
         0.002999999999999997,
         cos_index_ab,
         2.439454888092385e-19 * sin_index_ab,
-    );
-    let index_edc_3 = index_edc_2 + index_edc_1;
-    let index_edc_4 = neg_mul_add(
+    ) + index_edc_1;
+    let index_edc_3 = neg_mul_add(
         2.439454888092385e-19,
         cos_index_ab,
         0.002999999999999997 * sin_index_ab,
     );
-    let index_edc_5 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
-    let index_edc_6 = -0.011 + index_edc_5;
-    let index_edc_7 = mul_add(
-        index_edc_6,
-        index_edc_6,
-        mul_add(index_edc_3, index_edc_3, index_edc_4 * index_edc_4),
+    let index_edc_4 = mul_sub(0.0105, cos_index_mcp, 0.003 * sin_index_mcp);
+    let index_edc_5 = -0.011 + index_edc_4;
+    let index_edc_6 = mul_add(
+        index_edc_5,
+        index_edc_5,
+        mul_add(index_edc_2, index_edc_2, index_edc_3 * index_edc_3),
     );
-    let index_edc_8 = 1.0 / sqrt(index_edc_7);
-    arms[26] = index_edc_8
-        * mul_sub(index_edc_2, index_edc_4, index_edc_4 * index_edc_3);
-    arms[27] = index_edc_8
-        * mul_sub(index_edc_5, index_edc_3, index_edc_1 * index_edc_6);
-    let index_edc_9 = sqrt(
+    let index_edc_7 = 1.0 / sqrt(index_edc_6);
+    arms[26] = -(index_edc_7 * (index_edc_3 * index_edc_1));
+    arms[27] = index_edc_7
+        * mul_sub(index_edc_4, index_edc_2, index_edc_1 * index_edc_5);
+    let index_edc_8 = sqrt(
         0.00016999999999999999
             - mul_sub(
                 0.00015399999999999998,
@@ -114,7 +108,7 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         7.699999999999999e-5,
         sin_index_pip,
         3.6000000000000014e-5 * cos_index_pip,
-    ) / index_edc_9;
+    ) / index_edc_8;
     let index_interosseous_1 = neg_mul_add(
         0.008000000000000004,
         cos_index_ab,
@@ -201,23 +195,21 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let middle_fdp_1 = mul_sub(0.012, cos_middle_mcp, 0.01 * sin_middle_mcp);
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
-    let middle_fdp_2 = 0.011999999999999997 * cos_middle_ab;
-    let middle_fdp_3 = middle_fdp_2 + middle_fdp_1;
-    let middle_fdp_4 = 0.011999999999999997 * sin_middle_ab;
-    let middle_fdp_5 = mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
-    let middle_fdp_6 = 0.011 - middle_fdp_5;
-    let middle_fdp_7 = mul_add(
-        middle_fdp_6,
-        middle_fdp_6,
-        mul_add(middle_fdp_3, middle_fdp_3, middle_fdp_4 * middle_fdp_4),
+    let middle_fdp_2 = mul_add(0.011999999999999997, cos_middle_ab, middle_fdp_1);
+    let middle_fdp_3 = 0.011999999999999997 * sin_middle_ab;
+    let middle_fdp_4 = mul_add(0.01, cos_middle_mcp, 0.012 * sin_middle_mcp);
+    let middle_fdp_5 = 0.011 - middle_fdp_4;
+    let middle_fdp_6 = mul_add(
+        middle_fdp_5,
+        middle_fdp_5,
+        mul_add(middle_fdp_2, middle_fdp_2, middle_fdp_3 * middle_fdp_3),
     );
-    let middle_fdp_8 = 1.0 / sqrt(middle_fdp_7);
-    arms[108] = middle_fdp_8
-        * mul_sub(middle_fdp_2, middle_fdp_4, middle_fdp_4 * middle_fdp_3);
-    arms[109] = -(middle_fdp_8
-        * mul_add(middle_fdp_5, middle_fdp_3, middle_fdp_1 * middle_fdp_6));
+    let middle_fdp_7 = 1.0 / sqrt(middle_fdp_6);
+    arms[108] = -(middle_fdp_7 * (middle_fdp_3 * middle_fdp_1));
+    arms[109] = -(middle_fdp_7
+        * mul_add(middle_fdp_4, middle_fdp_2, middle_fdp_1 * middle_fdp_5));
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_fdp_9 = sqrt(
+    let middle_fdp_8 = sqrt(
         0.00038801411599999986
             - neg_mul_add(
                 9.901199999999991e-5,
@@ -225,14 +217,14 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
                 0.0003748279999999999 * sin_middle_pip,
             ),
     );
-    let middle_fdp_10 = mul_add(
+    let middle_fdp_9 = mul_add(
         4.9505999999999956e-5,
         sin_middle_pip,
         0.00018741399999999995 * cos_middle_pip,
-    ) / middle_fdp_9;
-    arms[110] = -middle_fdp_10;
+    ) / middle_fdp_8;
+    arms[110] = -middle_fdp_9;
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let middle_fdp_11 = sqrt(
+    let middle_fdp_10 = sqrt(
         0.00017631659600000004
             - neg_mul_add(
                 5.6935200000000105e-6,
@@ -240,29 +232,27 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
                 0.00017362800000000003 * sin_middle_dip,
             ),
     );
-    let middle_fdp_12 = mul_add(
+    let middle_fdp_11 = mul_add(
         2.8467600000000052e-6,
         sin_middle_dip,
         8.681400000000001e-5 * cos_middle_dip,
-    ) / middle_fdp_11;
-    arms[111] = -middle_fdp_12;
+    ) / middle_fdp_10;
+    arms[111] = -middle_fdp_11;
     let middle_edc_1 = mul_add(0.003, cos_middle_mcp, 0.0105 * sin_middle_mcp);
-    let middle_edc_2 = 0.0030000000000000027 * cos_middle_ab;
-    let middle_edc_3 = middle_edc_2 + middle_edc_1;
-    let middle_edc_4 = 0.0030000000000000027 * sin_middle_ab;
-    let middle_edc_5 = mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
-    let middle_edc_6 = -0.011 + middle_edc_5;
-    let middle_edc_7 = mul_add(
-        middle_edc_6,
-        middle_edc_6,
-        mul_add(middle_edc_3, middle_edc_3, middle_edc_4 * middle_edc_4),
+    let middle_edc_2 = mul_add(0.0030000000000000027, cos_middle_ab, middle_edc_1);
+    let middle_edc_3 = 0.0030000000000000027 * sin_middle_ab;
+    let middle_edc_4 = mul_sub(0.0105, cos_middle_mcp, 0.003 * sin_middle_mcp);
+    let middle_edc_5 = -0.011 + middle_edc_4;
+    let middle_edc_6 = mul_add(
+        middle_edc_5,
+        middle_edc_5,
+        mul_add(middle_edc_2, middle_edc_2, middle_edc_3 * middle_edc_3),
     );
-    let middle_edc_8 = 1.0 / sqrt(middle_edc_7);
-    arms[134] = middle_edc_8
-        * mul_sub(middle_edc_2, middle_edc_4, middle_edc_4 * middle_edc_3);
-    arms[135] = middle_edc_8
-        * mul_sub(middle_edc_5, middle_edc_3, middle_edc_1 * middle_edc_6);
-    let middle_edc_9 = sqrt(
+    let middle_edc_7 = 1.0 / sqrt(middle_edc_6);
+    arms[134] = -(middle_edc_7 * (middle_edc_3 * middle_edc_1));
+    arms[135] = middle_edc_7
+        * mul_sub(middle_edc_4, middle_edc_2, middle_edc_1 * middle_edc_5);
+    let middle_edc_8 = sqrt(
         0.00016999999999999999
             - mul_sub(
                 0.00015399999999999998,
@@ -274,7 +264,7 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         7.699999999999999e-5,
         sin_middle_pip,
         3.6000000000000014e-5 * cos_middle_pip,
-    ) / middle_edc_9;
+    ) / middle_edc_8;
     let middle_interosseous_1 = 0.007999999999999993 * cos_middle_ab;
     let middle_interosseous_2 = mul_sub(0.011, sin_middle_ab, middle_interosseous_1);
     let middle_interosseous_3 = 0.008 * cos_middle_mcp;
@@ -355,68 +345,66 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         0.012000000000000007,
         cos_ring_ab,
         1.1926223897340549e-18 * sin_ring_ab,
-    );
-    let ring_fdp_3 = ring_fdp_2 + ring_fdp_1;
-    let ring_fdp_4 = neg_mul_add(
+    ) + ring_fdp_1;
+    let ring_fdp_3 = neg_mul_add(
         1.1926223897340549e-18,
         cos_ring_ab,
         0.012000000000000007 * sin_ring_ab,
     );
-    let ring_fdp_5 = mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
-    let ring_fdp_6 = 0.011 - ring_fdp_5;
-    let ring_fdp_7 = mul_add(
-        ring_fdp_6,
-        ring_fdp_6,
-        mul_add(ring_fdp_3, ring_fdp_3, ring_fdp_4 * ring_fdp_4),
+    let ring_fdp_4 = mul_add(0.01, cos_ring_mcp, 0.012 * sin_ring_mcp);
+    let ring_fdp_5 = 0.011 - ring_fdp_4;
+    let ring_fdp_6 = mul_add(
+        ring_fdp_5,
+        ring_fdp_5,
+        mul_add(ring_fdp_2, ring_fdp_2, ring_fdp_3 * ring_fdp_3),
     );
-    let ring_fdp_8 = 1.0 / sqrt(ring_fdp_7);
-    arms[216] = ring_fdp_8 * mul_sub(ring_fdp_2, ring_fdp_4, ring_fdp_4 * ring_fdp_3);
-    arms[217] = -(ring_fdp_8 * mul_add(ring_fdp_5, ring_fdp_3, ring_fdp_1 * ring_fdp_6));
+    let ring_fdp_7 = 1.0 / sqrt(ring_fdp_6);
+    arms[216] = -(ring_fdp_7 * (ring_fdp_3 * ring_fdp_1));
+    arms[217] = -(ring_fdp_7 * mul_add(ring_fdp_4, ring_fdp_2, ring_fdp_1 * ring_fdp_5));
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_fdp_9 = sqrt(
+    let ring_fdp_8 = sqrt(
         0.00038251043599999996
             - neg_mul_add(9.346799999999998e-5, cos_ring_pip, 0.000370292 * sin_ring_pip),
     );
-    let ring_fdp_10 = mul_add(
+    let ring_fdp_9 = mul_add(
         4.673399999999999e-5,
         sin_ring_pip,
         0.000185146 * cos_ring_pip,
-    ) / ring_fdp_9;
-    arms[218] = -ring_fdp_10;
+    ) / ring_fdp_8;
+    arms[218] = -ring_fdp_9;
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let ring_fdp_11 = sqrt(
+    let ring_fdp_10 = sqrt(
         0.00017344544100000002
             - neg_mul_add(3.143559999999992e-6, cos_ring_dip, 0.000171122 * sin_ring_dip),
     );
-    let ring_fdp_12 = mul_add(
+    let ring_fdp_11 = mul_add(
         1.571779999999996e-6,
         sin_ring_dip,
         8.5561e-5 * cos_ring_dip,
-    ) / ring_fdp_11;
-    arms[219] = -ring_fdp_12;
+    ) / ring_fdp_10;
+    arms[219] = -ring_fdp_11;
     let ring_edc_1 = mul_add(0.003, cos_ring_mcp, 0.0105 * sin_ring_mcp);
     let ring_edc_2 = mul_add(
         0.003000000000000002,
         cos_ring_ab,
         2.981555974335137e-19 * sin_ring_ab,
-    );
-    let ring_edc_3 = ring_edc_2 + ring_edc_1;
-    let ring_edc_4 = neg_mul_add(
+    ) + ring_edc_1;
+    let ring_edc_3 = neg_mul_add(
         2.981555974335137e-19,
         cos_ring_ab,
         0.003000000000000002 * sin_ring_ab,
     );
-    let ring_edc_5 = mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
-    let ring_edc_6 = -0.011 + ring_edc_5;
-    let ring_edc_7 = mul_add(
-        ring_edc_6,
-        ring_edc_6,
-        mul_add(ring_edc_3, ring_edc_3, ring_edc_4 * ring_edc_4),
+    let ring_edc_4 = mul_sub(0.0105, cos_ring_mcp, 0.003 * sin_ring_mcp);
+    let ring_edc_5 = -0.011 + ring_edc_4;
+    let ring_edc_6 = mul_add(
+        ring_edc_5,
+        ring_edc_5,
+        mul_add(ring_edc_2, ring_edc_2, ring_edc_3 * ring_edc_3),
     );
-    let ring_edc_8 = 1.0 / sqrt(ring_edc_7);
-    arms[242] = ring_edc_8 * mul_sub(ring_edc_2, ring_edc_4, ring_edc_4 * ring_edc_3);
-    arms[243] = ring_edc_8 * mul_sub(ring_edc_5, ring_edc_3, ring_edc_1 * ring_edc_6);
-    let ring_edc_9 = sqrt(
+    let ring_edc_7 = 1.0 / sqrt(ring_edc_6);
+    arms[242] = -(ring_edc_7 * (ring_edc_3 * ring_edc_1));
+    arms[243] = ring_edc_7 * mul_sub(ring_edc_4, ring_edc_2, ring_edc_1 * ring_edc_5);
+    let ring_edc_8 = sqrt(
         0.00016999999999999999
             - mul_sub(
                 0.00015399999999999998,
@@ -428,7 +416,7 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         7.699999999999999e-5,
         sin_ring_pip,
         3.6000000000000014e-5 * cos_ring_pip,
-    ) / ring_edc_9;
+    ) / ring_edc_8;
     let ring_interosseous_1 = 0.008 * cos_ring_mcp;
     let ring_interosseous_2 = neg_mul_add(0.001, sin_ring_mcp, ring_interosseous_1);
     let ring_interosseous_3 = mul_add(
@@ -520,33 +508,28 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         2.600000000000001e-5 * cos_ring_dip,
     ) / ring_band_11;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
-    let little_fdp_1 = neg_mul_add(
-        0.012,
-        cos_little_ab,
-        3.686287386450715e-18 * sin_little_ab,
-    );
     let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_fdp_2 = mul_sub(0.012, cos_little_mcp, 0.01 * sin_little_mcp);
-    let little_fdp_3 = little_fdp_2 - little_fdp_1;
-    let little_fdp_4 = mul_add(
+    let little_fdp_1 = mul_sub(0.012, cos_little_mcp, 0.01 * sin_little_mcp);
+    let little_fdp_2 = little_fdp_1
+        - neg_mul_add(0.012, cos_little_ab, 3.686287386450715e-18 * sin_little_ab);
+    let little_fdp_3 = mul_add(
         3.686287386450715e-18,
         cos_little_ab,
         0.012 * sin_little_ab,
     );
-    let little_fdp_5 = mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
-    let little_fdp_6 = 0.011 - little_fdp_5;
-    let little_fdp_7 = mul_add(
-        little_fdp_6,
-        little_fdp_6,
-        mul_add(little_fdp_3, little_fdp_3, little_fdp_4 * little_fdp_4),
+    let little_fdp_4 = mul_add(0.01, cos_little_mcp, 0.012 * sin_little_mcp);
+    let little_fdp_5 = 0.011 - little_fdp_4;
+    let little_fdp_6 = mul_add(
+        little_fdp_5,
+        little_fdp_5,
+        mul_add(little_fdp_2, little_fdp_2, little_fdp_3 * little_fdp_3),
     );
-    let little_fdp_8 = 1.0 / sqrt(little_fdp_7);
-    arms[324] = -(little_fdp_8
-        * mul_add(little_fdp_1, little_fdp_4, little_fdp_4 * little_fdp_3));
-    arms[325] = -(little_fdp_8
-        * mul_add(little_fdp_5, little_fdp_3, little_fdp_2 * little_fdp_6));
+    let little_fdp_7 = 1.0 / sqrt(little_fdp_6);
+    arms[324] = -(little_fdp_7 * (little_fdp_3 * little_fdp_1));
+    arms[325] = -(little_fdp_7
+        * mul_add(little_fdp_4, little_fdp_2, little_fdp_1 * little_fdp_5));
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_fdp_9 = sqrt(
+    let little_fdp_8 = sqrt(
         0.000323790404
             - neg_mul_add(
                 2.3243999999999983e-5,
@@ -554,14 +537,14 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
                 0.000312836 * sin_little_pip,
             ),
     );
-    let little_fdp_10 = mul_add(
+    let little_fdp_9 = mul_add(
         1.1621999999999991e-5,
         sin_little_pip,
         0.000156418 * cos_little_pip,
-    ) / little_fdp_9;
-    arms[326] = -little_fdp_10;
+    ) / little_fdp_8;
+    arms[326] = -little_fdp_9;
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let little_fdp_11 = sqrt(
+    let little_fdp_10 = sqrt(
         0.00014204462400000002
             - mul_add(
                 2.7238399999999993e-5,
@@ -573,32 +556,30 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         1.3619199999999997e-5,
         sin_little_dip,
         6.9608e-5 * cos_little_dip,
-    ) / little_fdp_11;
+    ) / little_fdp_10;
     let little_edc_1 = mul_add(0.003, cos_little_mcp, 0.0105 * sin_little_mcp);
     let little_edc_2 = mul_add(
         0.003000000000000003,
         cos_little_ab,
         2.9815559743351372e-18 * sin_little_ab,
-    );
-    let little_edc_3 = little_edc_2 + little_edc_1;
-    let little_edc_4 = neg_mul_add(
+    ) + little_edc_1;
+    let little_edc_3 = neg_mul_add(
         2.9815559743351372e-18,
         cos_little_ab,
         0.003000000000000003 * sin_little_ab,
     );
-    let little_edc_5 = mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
-    let little_edc_6 = -0.011 + little_edc_5;
-    let little_edc_7 = mul_add(
-        little_edc_6,
-        little_edc_6,
-        mul_add(little_edc_3, little_edc_3, little_edc_4 * little_edc_4),
+    let little_edc_4 = mul_sub(0.0105, cos_little_mcp, 0.003 * sin_little_mcp);
+    let little_edc_5 = -0.011 + little_edc_4;
+    let little_edc_6 = mul_add(
+        little_edc_5,
+        little_edc_5,
+        mul_add(little_edc_2, little_edc_2, little_edc_3 * little_edc_3),
     );
-    let little_edc_8 = 1.0 / sqrt(little_edc_7);
-    arms[350] = little_edc_8
-        * mul_sub(little_edc_2, little_edc_4, little_edc_4 * little_edc_3);
-    arms[351] = little_edc_8
-        * mul_sub(little_edc_5, little_edc_3, little_edc_1 * little_edc_6);
-    let little_edc_9 = sqrt(
+    let little_edc_7 = 1.0 / sqrt(little_edc_6);
+    arms[350] = -(little_edc_7 * (little_edc_3 * little_edc_1));
+    arms[351] = little_edc_7
+        * mul_sub(little_edc_4, little_edc_2, little_edc_1 * little_edc_5);
+    let little_edc_8 = sqrt(
         0.00016999999999999999
             - mul_sub(
                 0.00015399999999999998,
@@ -610,7 +591,7 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         7.699999999999999e-5,
         sin_little_pip,
         3.6000000000000014e-5 * cos_little_pip,
-    ) / little_edc_9;
+    ) / little_edc_8;
     let little_interosseous_1 = 0.008 * cos_little_mcp;
     let little_interosseous_2 = neg_mul_add(
         0.001,
@@ -696,12 +677,16 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let thumb_fpl_2 = 0.012 * cos_thumb_cmc;
     let thumb_fpl_3 = thumb_fpl_2 - thumb_fpl_1;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_fpl_4 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab);
+    let thumb_fpl_4 = mul_add(
+        0.008000000000000004,
+        cos_thumb_ab,
+        0.0029999999999999996 * sin_thumb_ab,
+    );
     let thumb_fpl_5 = thumb_fpl_4 + thumb_fpl_3;
     let thumb_fpl_6 = neg_mul_add(
-        0.003,
+        0.0029999999999999996,
         cos_thumb_ab,
-        0.008000000000000002 * sin_thumb_ab,
+        0.008000000000000004 * sin_thumb_ab,
     );
     let thumb_fpl_7 = -0.002 - thumb_fpl_6;
     let thumb_fpl_8 = thumb_fpl_2 + thumb_fpl_1;
@@ -739,73 +724,77 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     ) / thumb_fpl_13;
     arms[435] = -thumb_fpl_14;
     let thumb_epl_1 = mul_add(0.004, cos_thumb_cmc, thumb_fpl_1);
-    let thumb_epl_2 = 0.004 * cos_thumb_ab;
-    let thumb_epl_3 = mul_add(0.008, sin_thumb_ab, thumb_epl_2);
-    let thumb_epl_4 = thumb_epl_3 + thumb_epl_1;
-    let thumb_epl_5 = 0.004 * sin_thumb_ab;
-    let thumb_epl_6 = neg_mul_add(0.008, cos_thumb_ab, thumb_epl_5);
-    let thumb_epl_7 = -0.008 - thumb_epl_6;
-    let thumb_epl_8 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
-    let thumb_epl_9 = -0.012 + thumb_epl_8;
-    let thumb_epl_10 = mul_add(
-        thumb_epl_9,
-        thumb_epl_9,
-        mul_add(thumb_epl_4, thumb_epl_4, thumb_epl_7 * thumb_epl_7),
+    let thumb_epl_2 = mul_add(0.004, cos_thumb_ab, 0.008 * sin_thumb_ab);
+    let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
+    let thumb_epl_4 = neg_mul_add(0.008, cos_thumb_ab, 0.004 * sin_thumb_ab);
+    let thumb_epl_5 = -0.008 - thumb_epl_4;
+    let thumb_epl_6 = neg_mul_add(0.004, sin_thumb_cmc, thumb_fpl_2);
+    let thumb_epl_7 = -0.012000000000000004 + thumb_epl_6;
+    let thumb_epl_8 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
+        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
     );
-    let thumb_epl_11 = 1.0 / sqrt(thumb_epl_10);
-    arms[458] = -(thumb_epl_11
-        * mul_add(thumb_epl_3, thumb_epl_7, thumb_epl_6 * thumb_epl_4));
-    arms[459] = thumb_epl_11
-        * mul_sub(thumb_epl_8, thumb_epl_4, thumb_epl_1 * thumb_epl_9);
-    let thumb_epl_12 = sqrt(
+    let thumb_epl_9 = 1.0 / sqrt(thumb_epl_8);
+    arms[458] = -(thumb_epl_9
+        * mul_add(thumb_epl_2, thumb_epl_5, thumb_epl_4 * thumb_epl_3));
+    let thumb_epl_10 = thumb_epl_1 * thumb_epl_7;
+    arms[459] = thumb_epl_9 * mul_sub(thumb_epl_6, thumb_epl_3, thumb_epl_10);
+    let thumb_epl_11 = sqrt(
         0.00025309000000000003
             - mul_sub(0.00023099999999999998, cos_thumb_mcp, 0.0001034 * sin_thumb_mcp),
     );
-    let thumb_epl_13 = mul_add(
+    let thumb_epl_12 = mul_add(
         0.00011549999999999999,
         sin_thumb_mcp,
         5.17e-5 * cos_thumb_mcp,
-    ) / thumb_epl_12;
-    arms[460] = thumb_epl_13;
-    let thumb_epl_14 = sqrt(
+    ) / thumb_epl_11;
+    arms[460] = thumb_epl_12;
+    arms[486] = thumb_epl_12;
+    let thumb_epl_13 = sqrt(
         0.00021066000000000002
             - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
     );
     arms[461] = mul_add(9.475e-5, sin_thumb_ip, 4.6000000000000014e-5 * cos_thumb_ip)
-        / thumb_epl_14;
-    let thumb_epb_1 = mul_sub(0.005000000000000003, sin_thumb_ab, thumb_epl_2);
+        / thumb_epl_13;
+    let thumb_epb_1 = neg_mul_add(
+        0.003999999999999999,
+        cos_thumb_ab,
+        0.005000000000000001 * sin_thumb_ab,
+    );
     let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
-    let thumb_epb_3 = mul_add(0.005000000000000003, cos_thumb_ab, thumb_epl_5);
+    let thumb_epb_3 = mul_add(
+        0.005000000000000001,
+        cos_thumb_ab,
+        0.003999999999999999 * sin_thumb_ab,
+    );
     let thumb_epb_4 = 0.005 - thumb_epb_3;
-    let thumb_epb_5 = -0.012000000000000004 + thumb_epl_8;
-    let thumb_epb_6 = mul_add(
-        thumb_epb_5,
-        thumb_epb_5,
+    let thumb_epb_5 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
-    let thumb_epb_7 = 1.0 / sqrt(thumb_epb_6);
-    arms[484] = thumb_epb_7
+    let thumb_epb_6 = 1.0 / sqrt(thumb_epb_5);
+    arms[484] = thumb_epb_6
         * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2);
-    arms[485] = thumb_epb_7
-        * mul_sub(thumb_epl_8, thumb_epb_2, thumb_epl_1 * thumb_epb_5);
-    arms[486] = thumb_epl_13;
+    arms[485] = thumb_epb_6 * mul_sub(thumb_epl_6, thumb_epb_2, thumb_epl_10);
     let thumb_apl_1 = neg_mul_add(
         0.007000000000000001,
         cos_thumb_ab,
-        0.012000000000000002 * sin_thumb_ab,
+        0.012000000000000004 * sin_thumb_ab,
     );
     let thumb_apl_2 = 0.006 * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(0.004, sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-        0.012000000000000002,
+        0.012000000000000004,
         cos_thumb_ab,
         0.007000000000000001 * sin_thumb_ab,
     );
     let thumb_apl_6 = 0.012 - thumb_apl_5;
     let thumb_apl_7 = 0.006 * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(0.004, cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = -0.005000000000000003 + thumb_apl_8;
+    let thumb_apl_9 = -0.005 + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
@@ -819,18 +808,18 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let thumb_apb_1 = neg_mul_add(
         0.00874910502142235,
         cos_thumb_ab,
-        0.003271760106466038 * sin_thumb_ab,
+        0.003271760106466037 * sin_thumb_ab,
     );
     let thumb_apb_2 = mul_sub(0.03, cos_thumb_cmc, 0.007 * sin_thumb_cmc);
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-        0.003271760106466038,
+        0.003271760106466037,
         cos_thumb_ab,
         0.00874910502142235 * sin_thumb_ab,
     );
     let thumb_apb_5 = 0.009 - thumb_apb_4;
     let thumb_apb_6 = mul_add(0.007, cos_thumb_cmc, 0.03 * sin_thumb_cmc);
-    let thumb_apb_7 = 0.013294688681193689 - thumb_apb_6;
+    let thumb_apb_7 = 0.01329468868119369 - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
@@ -855,11 +844,11 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let thumb_opp_2 = mul_add(
         0.009538977305795334,
         cos_thumb_ab,
-        0.0004652729262143015 * sin_thumb_ab,
+        0.00046527292621430325 * sin_thumb_ab,
     );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        0.0004652729262143015,
+        0.00046527292621430325,
         cos_thumb_ab,
         0.009538977305795334 * sin_thumb_ab,
     );
@@ -879,18 +868,18 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     let thumb_adp_1 = mul_sub(
         0.025486067515228545,
         cos_thumb_ab,
-        0.029821276684971587 * sin_thumb_ab,
+        0.029821276684971594 * sin_thumb_ab,
     );
     let thumb_adp_2 = mul_sub(0.038000000000000006, cos_thumb_cmc, thumb_apl_7);
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-        0.029821276684971587,
+        0.029821276684971594,
         cos_thumb_ab,
         0.025486067515228545 * sin_thumb_ab,
     );
     let thumb_adp_5 = -0.009 + thumb_adp_4;
     let thumb_adp_6 = mul_add(0.038000000000000006, sin_thumb_cmc, thumb_apl_2);
-    let thumb_adp_7 = 0.040658969729785124 - thumb_adp_6;
+    let thumb_adp_7 = 0.04065896972978512 - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,

@@ -4,7 +4,9 @@
 
 use crate::layout::{PARAMETERS, VALUES, parameter};
 use handc_core::lane::Lane;
-use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::lane::functions::{
+    mul_add, mul_sub, neg_mul_add, sin_cos, sqrt, sqrt_recip,
+};
 use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
@@ -15,7 +17,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
 ///
-/// 182 operations: 31 sums, 42 products, 43 products with sum, 10 divisions, 10 roots, 3 sines and cosines.
+/// 192 operations: 31 sums, 52 products, 43 products with sum, 10 divisions, 10 roots, 3 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 3],
@@ -42,41 +44,41 @@ pub fn evaluate<L: Lane>(
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
     let mcp_1 = L::splat(2.113600077163611e-5)
-        * mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
-    let mcp_2 = v_mcp + v_pip;
-    let mcp_3 = v_dip + mcp_2;
-    let mcp_4 = mcp_3 * mcp_1;
-    let mcp_5 = L::splat(0.0224) * sin_pip;
-    let mcp_6 = L::splat(2.113600077163611e-5)
         * mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
-    let mcp_7 = mcp_3 * mcp_6;
-    let mcp_8 = L::splat(0.0224) * cos_pip;
-    let mcp_9 = L::splat(0.0001154165848898187) * cos_pip;
-    let mcp_10 = L::splat(0.039799999999999995) * v_mcp;
-    let mcp_11 = mul_add(mcp_10, mcp_9, mul_add(mcp_8, mcp_7, mcp_5 * mcp_4));
-    let mcp_12 = mcp_2 * mcp_8;
-    let mcp_13 = mcp_10 + mcp_12;
-    let mcp_14 = mcp_2 * mcp_5;
-    let mcp_15 = mul_add(
+    let mcp_2 = L::splat(0.0224) * cos_pip;
+    let mcp_3 = v_mcp + v_pip;
+    let mcp_4 = mcp_3 * mcp_2;
+    let mcp_5 = L::splat(0.039799999999999995) * v_mcp;
+    let mcp_6 = mcp_5 + mcp_4;
+    let mcp_7 = L::splat(2.113600077163611e-5)
+        * mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_8 = L::splat(0.0224) * sin_pip;
+    let mcp_9 = mcp_3 * mcp_8;
+    let mcp_10 = v_dip + mcp_3;
+    let mcp_11 = mul_add(
         L::splat(2.5540671987294797e-7),
-        mcp_3,
-        mul_add(mcp_13, mcp_6, mcp_14 * mcp_1),
+        mcp_10,
+        mul_add(mcp_6, mcp_1, mcp_9 * mcp_7),
     );
-    let mcp_16 = mcp_15 + mul_add(L::splat(2.2502977721519766e-6), mcp_2, mcp_11);
-    let mcp_17 = mul_add(
+    momentum[2] = mcp_11;
+    let mcp_12 = mcp_10 * mcp_7;
+    let mcp_13 = mcp_10 * mcp_1;
+    let mcp_14 = mcp_9 * mcp_13;
+    let mcp_15 = neg_mul_add(mcp_6, mcp_12, mcp_14);
+    let mcp_16 = L::splat(0.0001154165848898187) * cos_pip;
+    let mcp_17 = mul_add(mcp_5, mcp_16, mul_add(mcp_2, mcp_13, mcp_8 * mcp_12));
+    let mcp_18 = mcp_11 + mul_add(L::splat(2.2502977721519766e-6), mcp_3, mcp_17);
+    momentum[1] = mcp_18;
+    let mcp_19 = mcp_3 * (L::splat(0.0001154165848898187) * sin_pip);
+    let mcp_20 = mcp_15 + neg_mul_add(mcp_5, mcp_19, mul_sub(mcp_4, mcp_12, mcp_14));
+    let mcp_21 = mul_add(
         L::splat(0.039799999999999995),
-        mul_add(mcp_2, mcp_9, mcp_7),
+        mul_add(mcp_3, mcp_16, mcp_13),
         L::splat(1.8193617546820962e-5) * v_mcp,
     );
-    momentum[0] = mcp_16 + mcp_17;
-    momentum[1] = mcp_16;
-    momentum[2] = mcp_15;
-    let mcp_18 = mcp_14 * mcp_7;
-    let mcp_19 = mcp_2 * (L::splat(0.0001154165848898187) * sin_pip);
-    let mcp_20 = neg_mul_add(mcp_13, mcp_4, mcp_18);
-    let mcp_21 = mcp_20 + neg_mul_add(mcp_10, mcp_19, mul_sub(mcp_12, mcp_4, mcp_18));
+    momentum[0] = mcp_18 + mcp_21;
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = sqrt(
+    let (fdp_1, fdp_2) = sqrt_recip(
         L::splat(0.000509)
             + mul_add(
                 L::splat(6.800000000000003e-5),
@@ -84,7 +86,7 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.000504) * sin_mcp,
             ),
     );
-    let fdp_2 = sqrt(
+    let (fdp_3, fdp_4) = sqrt_recip(
         L::splat(0.00035188999999999983)
             + mul_add(
                 L::splat(6.119999999999986e-5),
@@ -92,7 +94,7 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.0003437999999999999) * sin_pip,
             ),
     );
-    let fdp_3 = sqrt(
+    let (fdp_5, fdp_6) = sqrt_recip(
         L::splat(0.00015621)
             - mul_sub(
                 L::splat(1.3600000000000019e-5),
@@ -100,14 +102,38 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.0001538) * sin_dip,
             ),
     );
-    let fdp_4 = (L::splat(0.07161627512154058) + fdp_1 + fdp_2 + fdp_3 - rest_fdp) * c_2;
-    let fdp_5 = neg_mul_add(
-        L::splat(3.400000000000001e-5),
-        sin_mcp,
-        L::splat(0.000252) * cos_mcp,
-    ) / fdp_1;
-    let mcp_22 = neg_mul_add(fdp_5, fdp_4, mul_add(mcp_10, mcp_19 + mcp_4, mcp_21));
-    let fds_1 = sqrt(
+    let fdp_7 = (L::splat(0.07161627512154058) + fdp_1 + fdp_3 + fdp_5 - rest_fdp) * c_0;
+    let mcp_22 = neg_mul_add(
+        fdp_2
+            * neg_mul_add(
+                L::splat(3.400000000000001e-5),
+                sin_mcp,
+                L::splat(0.000252) * cos_mcp,
+            ),
+        fdp_7,
+        mul_add(mcp_5, mcp_19 + mcp_12, mcp_20),
+    );
+    let pip_1 = neg_mul_add(
+        fdp_4
+            * neg_mul_add(
+                L::splat(3.059999999999993e-5),
+                sin_pip,
+                L::splat(0.00017189999999999995) * cos_pip,
+            ),
+        fdp_7,
+        mcp_20,
+    );
+    let dip_1 = neg_mul_add(
+        fdp_6
+            * mul_add(
+                L::splat(6.8000000000000094e-6),
+                sin_dip,
+                L::splat(7.69e-5) * cos_dip,
+            ),
+        fdp_7,
+        mcp_15,
+    );
+    let (fds_1, fds_2) = sqrt_recip(
         L::splat(0.000601)
             - mul_sub(
                 L::splat(2.3999999999999987e-5),
@@ -115,7 +141,7 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.0006000000000000001) * sin_mcp,
             ),
     );
-    let fds_2 = sqrt(
+    let (fds_3, fds_4) = sqrt_recip(
         L::splat(0.0004016399999999999)
             + mul_add(
                 L::splat(7.759999999999983e-5),
@@ -123,17 +149,32 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.0003927999999999999) * sin_pip,
             ),
     );
-    let fds_3 = (L::splat(0.06512765830525491) + fds_1 + fds_2 - rest_fds) * c_2;
-    let fds_4 = mul_add(
-        L::splat(1.1999999999999994e-5),
-        sin_mcp,
-        L::splat(0.00030000000000000003) * cos_mcp,
-    ) / fds_1;
-    let edc_1 = sqrt(
+    let fds_5 = (L::splat(0.06512765830525491) + fds_1 + fds_3 - rest_fds) * c_0;
+    let mcp_23 = neg_mul_add(
+        fds_2
+            * mul_add(
+                L::splat(1.1999999999999994e-5),
+                sin_mcp,
+                L::splat(0.00030000000000000003) * cos_mcp,
+            ),
+        fds_5,
+        mcp_22,
+    );
+    let pip_2 = neg_mul_add(
+        fds_4
+            * neg_mul_add(
+                L::splat(3.879999999999991e-5),
+                sin_pip,
+                L::splat(0.00019639999999999995) * cos_pip,
+            ),
+        fds_5,
+        pip_1,
+    );
+    let (edc_1, edc_2) = sqrt_recip(
         L::splat(0.00024925)
             - mul_add(L::splat(0.000213), cos_mcp, L::splat(0.000129) * sin_mcp),
     );
-    let edc_2 = sqrt(
+    let (edc_3, edc_4) = sqrt_recip(
         L::splat(0.00016999999999999996)
             - mul_add(
                 L::splat(0.000154),
@@ -141,14 +182,27 @@ pub fn evaluate<L: Lane>(
                 L::splat(7.199999999999991e-5) * sin_pip,
             ),
     );
-    let edc_3 = (L::splat(0.09184108383968201) + edc_1 + edc_2 - rest_edc) * c_1;
-    let edc_4 = mul_sub(L::splat(0.0001065), sin_mcp, L::splat(6.45e-5) * cos_mcp)
-        / edc_1;
-    let lumbrical_1 = sqrt(
+    let edc_5 = (L::splat(0.09184108383968201) + edc_1 + edc_3 - rest_edc) * c_1;
+    let mcp_24 = neg_mul_add(
+        edc_2 * mul_sub(L::splat(0.0001065), sin_mcp, L::splat(6.45e-5) * cos_mcp),
+        edc_5,
+        mcp_23,
+    );
+    let pip_3 = neg_mul_add(
+        edc_4
+            * mul_sub(
+                L::splat(7.7e-5),
+                sin_pip,
+                L::splat(3.5999999999999953e-5) * cos_pip,
+            ),
+        edc_5,
+        pip_2,
+    );
+    let (lumbrical_1, lumbrical_2) = sqrt_recip(
         L::splat(0.00018899999999999999)
             + mul_add(L::splat(6.8e-5), cos_mcp, L::splat(0.000176) * sin_mcp),
     );
-    let lumbrical_2 = sqrt(
+    let (lumbrical_3, lumbrical_4) = sqrt_recip(
         L::splat(8.999999999999998e-5)
             - mul_add(
                 L::splat(5.4000000000000025e-5),
@@ -156,7 +210,7 @@ pub fn evaluate<L: Lane>(
                 L::splat(7.199999999999995e-5) * sin_pip,
             ),
     );
-    let lumbrical_3 = sqrt(
+    let (lumbrical_5, lumbrical_6) = sqrt_recip(
         L::splat(9.25e-5)
             - mul_add(
                 L::splat(7.649999999999999e-5),
@@ -164,52 +218,33 @@ pub fn evaluate<L: Lane>(
                 L::splat(5.200000000000002e-5) * sin_dip,
             ),
     );
-    let lumbrical_4 = (L::splat(0.09024829243194461) + lumbrical_1 + lumbrical_2
-        + lumbrical_3 - rest_lumbrical) * c_0;
-    let lumbrical_5 = neg_mul_add(L::splat(3.4e-5), sin_mcp, L::splat(8.8e-5) * cos_mcp)
-        / lumbrical_1;
+    let lumbrical_7 = (L::splat(0.09024829243194461) + lumbrical_1 + lumbrical_3
+        + lumbrical_5 - rest_lumbrical) * c_2;
     force[0] = neg_mul_add(
-        lumbrical_5,
-        lumbrical_4,
-        neg_mul_add(edc_4, edc_3, neg_mul_add(fds_4, fds_3, mcp_22)),
+        lumbrical_2 * neg_mul_add(L::splat(3.4e-5), sin_mcp, L::splat(8.8e-5) * cos_mcp),
+        lumbrical_7,
+        mcp_24,
     );
-    let fdp_6 = neg_mul_add(
-        L::splat(3.059999999999993e-5),
-        sin_pip,
-        L::splat(0.00017189999999999995) * cos_pip,
-    ) / fdp_2;
-    let fds_5 = neg_mul_add(
-        L::splat(3.879999999999991e-5),
-        sin_pip,
-        L::splat(0.00019639999999999995) * cos_pip,
-    ) / fds_2;
-    let edc_5 = mul_sub(
-        L::splat(7.7e-5),
-        sin_pip,
-        L::splat(3.5999999999999953e-5) * cos_pip,
-    ) / edc_2;
-    let pip_1 = neg_mul_add(
-        edc_5,
-        edc_3,
-        neg_mul_add(fds_5, fds_3, neg_mul_add(fdp_6, fdp_4, mcp_21)),
+    force[1] = neg_mul_add(
+        lumbrical_4
+            * mul_sub(
+                L::splat(2.7000000000000013e-5),
+                sin_pip,
+                L::splat(3.5999999999999974e-5) * cos_pip,
+            ),
+        lumbrical_7,
+        pip_3,
     );
-    let lumbrical_6 = mul_sub(
-        L::splat(2.7000000000000013e-5),
-        sin_pip,
-        L::splat(3.5999999999999974e-5) * cos_pip,
-    ) / lumbrical_2;
-    force[1] = neg_mul_add(lumbrical_6, lumbrical_4, pip_1);
-    let fdp_7 = mul_add(
-        L::splat(6.8000000000000094e-6),
-        sin_dip,
-        L::splat(7.69e-5) * cos_dip,
-    ) / fdp_3;
-    let lumbrical_7 = mul_sub(
-        L::splat(3.8249999999999995e-5),
-        sin_dip,
-        L::splat(2.600000000000001e-5) * cos_dip,
-    ) / lumbrical_3;
-    force[2] = neg_mul_add(lumbrical_7, lumbrical_4, neg_mul_add(fdp_7, fdp_4, mcp_20));
+    force[2] = neg_mul_add(
+        lumbrical_6
+            * mul_sub(
+                L::splat(3.8249999999999995e-5),
+                sin_dip,
+                L::splat(2.600000000000001e-5) * cos_dip,
+            ),
+        lumbrical_7,
+        dip_1,
+    );
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -248,307 +283,302 @@ pub fn evaluate_with_matrix<L: Lane>(
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let mcp_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_1 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
     let mcp_2 = L::splat(2.113600077163611e-5) * mcp_1;
-    let mcp_3 = v_mcp + v_pip;
-    let mcp_4 = v_dip + mcp_3;
-    let mcp_5 = mcp_4 * mcp_2;
-    let mcp_6 = L::splat(0.0224) * sin_pip;
-    let mcp_7 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
-    let mcp_8 = L::splat(2.113600077163611e-5) * mcp_7;
-    let mcp_9 = mcp_4 * mcp_8;
-    let mcp_10 = L::splat(0.0224) * cos_pip;
-    let mcp_11 = L::splat(0.0001154165848898187) * cos_pip;
-    let mcp_12 = L::splat(0.039799999999999995) * v_mcp;
-    let mcp_13 = mul_add(mcp_12, mcp_11, mul_add(mcp_10, mcp_9, mcp_6 * mcp_5));
-    let mcp_14 = mcp_3 * mcp_10;
-    let mcp_15 = mcp_12 + mcp_14;
-    let mcp_16 = mcp_3 * mcp_6;
-    let mcp_17 = mul_add(
+    let mcp_3 = L::splat(0.0224) * cos_pip;
+    let mcp_4 = v_mcp + v_pip;
+    let mcp_5 = mcp_4 * mcp_3;
+    let mcp_6 = L::splat(0.039799999999999995) * v_mcp;
+    let mcp_7 = mcp_6 + mcp_5;
+    let mcp_8 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_9 = L::splat(2.113600077163611e-5) * mcp_8;
+    let mcp_10 = L::splat(0.0224) * sin_pip;
+    let mcp_11 = mcp_4 * mcp_10;
+    let mcp_12 = v_dip + mcp_4;
+    let mcp_13 = mul_add(
         L::splat(2.5540671987294797e-7),
-        mcp_4,
-        mul_add(mcp_15, mcp_8, mcp_16 * mcp_2),
+        mcp_12,
+        mul_add(mcp_7, mcp_2, mcp_11 * mcp_9),
     );
-    let mcp_18 = mcp_17 + mul_add(L::splat(2.2502977721519766e-6), mcp_3, mcp_13);
-    let mcp_19 = mcp_3 * mcp_11;
-    let mcp_20 = mcp_19 + mcp_9;
-    momentum[0] = mcp_18
+    momentum[2] = mcp_13;
+    let mcp_14 = mcp_12 * mcp_9;
+    let mcp_15 = mcp_12 * mcp_2;
+    let mcp_16 = mcp_11 * mcp_15;
+    let mcp_17 = neg_mul_add(mcp_7, mcp_14, mcp_16);
+    let mcp_18 = L::splat(0.0001154165848898187) * cos_pip;
+    let mcp_19 = mul_add(mcp_6, mcp_18, mul_add(mcp_3, mcp_15, mcp_10 * mcp_14));
+    let mcp_20 = mcp_13 + mul_add(L::splat(2.2502977721519766e-6), mcp_4, mcp_19);
+    momentum[1] = mcp_20;
+    let mcp_21 = mcp_4 * (L::splat(0.0001154165848898187) * sin_pip);
+    let mcp_22 = mcp_17 + neg_mul_add(mcp_6, mcp_21, mul_sub(mcp_5, mcp_14, mcp_16));
+    let mcp_23 = mcp_4 * mcp_18;
+    let mcp_24 = mcp_23 + mcp_15;
+    momentum[0] = mcp_20
         + mul_add(
             L::splat(0.039799999999999995),
-            mcp_20,
+            mcp_24,
             L::splat(1.8193617546820962e-5) * v_mcp,
         );
-    momentum[1] = mcp_18;
-    momentum[2] = mcp_17;
-    let mcp_21 = mcp_16 * mcp_9;
-    let mcp_22 = mcp_3 * (L::splat(0.0001154165848898187) * sin_pip);
-    let mcp_23 = neg_mul_add(mcp_15, mcp_5, mcp_21);
-    let mcp_24 = mcp_23 + neg_mul_add(mcp_12, mcp_22, mul_sub(mcp_14, mcp_5, mcp_21));
+    let mcp_25 = mul_add(mcp_6, mcp_21 + mcp_14, mcp_22);
+    let fdp_1 = L::splat(0.25) * h;
+    let mcp_26 = L::splat(1.0) / h;
+    let mcp_27 = mul_add(
+        fdp_1,
+        mcp_6 * mcp_24,
+        L::splat(1.8193617546820962e-5) * mcp_26,
+    );
+    let mcp_28 = mcp_6 * mcp_23;
+    let mcp_29 = mul_sub(
+        fdp_1,
+        mcp_28,
+        mcp_26 * (L::splat(4.593580078614784e-6) * cos_pip),
+    );
+    let mcp_30 = mcp_11 * mcp_14;
+    let mcp_31 = mul_add(mcp_5, mcp_15, mcp_30);
+    let mcp_32 = mul_add(
+        fdp_1,
+        mcp_28 + mcp_31,
+        L::splat(2.2502977721519766e-6) * mcp_26,
+    );
+    let mcp_33 = mul_sub(
+        fdp_1,
+        mcp_6 * mcp_15,
+        mcp_26 * (L::splat(8.412128307111171e-7) * mcp_1),
+    );
+    let mcp_34 = mul_sub(fdp_1, mcp_31, mcp_26 * mul_add(mcp_3, mcp_2, mcp_10 * mcp_9));
+    let mcp_35 = mul_add(
+        fdp_1,
+        mul_add(mcp_7, mcp_15, mcp_30),
+        L::splat(2.5540671987294797e-7) * mcp_26,
+    );
+    let mcp_36 = mcp_29 + mcp_33;
+    let mcp_37 = mcp_34 - mcp_32;
+    let mcp_38 = mcp_36 - mcp_27;
+    let mcp_39 = mcp_34 - mcp_35;
+    let mcp_40 = mcp_33 + mcp_39;
+    let mcp_41 = mcp_37 + mcp_39;
+    let mcp_42 = mcp_36 + mcp_41;
+    let mcp_43 = mcp_38 + mcp_42;
+    let mcp_44 = L::splat(8.412128307111171e-7) * mcp_8
+        * (L::splat(0.5) * (v_mcp + mcp_12));
+    let mcp_45 = mul_add(
+        L::splat(4.593580078614784e-6) * sin_pip,
+        L::splat(0.5) * (v_mcp + mcp_4),
+        mcp_44,
+    );
+    let mcp_46 = mul_sub(mcp_3, mcp_9, mcp_10 * mcp_2)
+        * (L::splat(0.5) * (mcp_4 + mcp_12));
+    let mcp_47 = mcp_44 + mcp_46;
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let fdp_1 = mul_add(
+    let fdp_2 = mul_add(
         L::splat(6.800000000000003e-5),
         cos_mcp,
         L::splat(0.000504) * sin_mcp,
     );
-    let fdp_2 = sqrt(L::splat(0.000509) + fdp_1);
-    let fdp_3 = mul_add(
+    let (fdp_3, fdp_4) = sqrt_recip(L::splat(0.000509) + fdp_2);
+    let fdp_5 = mul_add(
         L::splat(6.119999999999986e-5),
         cos_pip,
         L::splat(0.0003437999999999999) * sin_pip,
     );
-    let fdp_4 = sqrt(L::splat(0.00035188999999999983) + fdp_3);
-    let fdp_5 = mul_sub(
+    let (fdp_6, fdp_7) = sqrt_recip(L::splat(0.00035188999999999983) + fdp_5);
+    let fdp_8 = mul_sub(
         L::splat(1.3600000000000019e-5),
         cos_dip,
         L::splat(0.0001538) * sin_dip,
     );
-    let fdp_6 = sqrt(L::splat(0.00015621) - fdp_5);
-    let fdp_7 = (L::splat(0.07161627512154058) + fdp_2 + fdp_4 + fdp_6 - rest_fdp) * c_2;
-    let fdp_8 = L::splat(1.0) / fdp_2;
-    let fdp_9 = fdp_8
+    let (fdp_9, fdp_10) = sqrt_recip(L::splat(0.00015621) - fdp_8);
+    let fdp_11 = (L::splat(0.07161627512154058) + fdp_3 + fdp_6 + fdp_9 - rest_fdp)
+        * c_0;
+    let fdp_12 = fdp_1 * fdp_11;
+    let fdp_13 = fdp_4 * fdp_12;
+    let fdp_14 = fdp_1 * c_0;
+    let fdp_15 = fdp_4
         * neg_mul_add(
             L::splat(3.400000000000001e-5),
             sin_mcp,
             L::splat(0.000252) * cos_mcp,
         );
-    let mcp_25 = neg_mul_add(fdp_9, fdp_7, mul_add(mcp_12, mcp_22 + mcp_5, mcp_24));
-    let fds_1 = mul_sub(
-        L::splat(2.3999999999999987e-5),
-        cos_mcp,
-        L::splat(0.0006000000000000001) * sin_mcp,
+    let fdp_16 = mul_sub(
+        fdp_15,
+        fdp_15 * (fdp_14 - fdp_13),
+        L::splat(0.5) * fdp_2 * fdp_13,
     );
-    let fds_2 = sqrt(L::splat(0.000601) - fds_1);
-    let fds_3 = mul_add(
-        L::splat(7.759999999999983e-5),
-        cos_pip,
-        L::splat(0.0003927999999999999) * sin_pip,
-    );
-    let fds_4 = sqrt(L::splat(0.0004016399999999999) + fds_3);
-    let fds_5 = (L::splat(0.06512765830525491) + fds_2 + fds_4 - rest_fds) * c_2;
-    let fds_6 = L::splat(1.0) / fds_2;
-    let fds_7 = fds_6
-        * mul_add(
-            L::splat(1.1999999999999994e-5),
-            sin_mcp,
-            L::splat(0.00030000000000000003) * cos_mcp,
-        );
-    let edc_1 = mul_add(L::splat(0.000213), cos_mcp, L::splat(0.000129) * sin_mcp);
-    let edc_2 = sqrt(L::splat(0.00024925) - edc_1);
-    let edc_3 = mul_add(
-        L::splat(0.000154),
-        cos_pip,
-        L::splat(7.199999999999991e-5) * sin_pip,
-    );
-    let edc_4 = sqrt(L::splat(0.00016999999999999996) - edc_3);
-    let edc_5 = (L::splat(0.09184108383968201) + edc_2 + edc_4 - rest_edc) * c_1;
-    let edc_6 = L::splat(1.0) / edc_2;
-    let edc_7 = edc_6
-        * mul_sub(L::splat(0.0001065), sin_mcp, L::splat(6.45e-5) * cos_mcp);
-    let lumbrical_1 = mul_add(L::splat(6.8e-5), cos_mcp, L::splat(0.000176) * sin_mcp);
-    let lumbrical_2 = sqrt(L::splat(0.00018899999999999999) + lumbrical_1);
-    let lumbrical_3 = mul_add(
-        L::splat(5.4000000000000025e-5),
-        cos_pip,
-        L::splat(7.199999999999995e-5) * sin_pip,
-    );
-    let lumbrical_4 = sqrt(L::splat(8.999999999999998e-5) - lumbrical_3);
-    let lumbrical_5 = mul_add(
-        L::splat(7.649999999999999e-5),
-        cos_dip,
-        L::splat(5.200000000000002e-5) * sin_dip,
-    );
-    let lumbrical_6 = sqrt(L::splat(9.25e-5) - lumbrical_5);
-    let lumbrical_7 = (L::splat(0.09024829243194461) + lumbrical_2 + lumbrical_4
-        + lumbrical_6 - rest_lumbrical) * c_0;
-    let lumbrical_8 = L::splat(1.0) / lumbrical_2;
-    let lumbrical_9 = lumbrical_8
-        * neg_mul_add(L::splat(3.4e-5), sin_mcp, L::splat(8.8e-5) * cos_mcp);
-    force[0] = neg_mul_add(
-        lumbrical_9,
-        lumbrical_7,
-        neg_mul_add(edc_7, edc_5, neg_mul_add(fds_7, fds_5, mcp_25)),
-    );
-    let fdp_10 = L::splat(1.0) / fdp_4;
-    let fdp_11 = fdp_10
+    let fdp_17 = fdp_7 * fdp_12;
+    let fdp_18 = fdp_7
         * neg_mul_add(
             L::splat(3.059999999999993e-5),
             sin_pip,
             L::splat(0.00017189999999999995) * cos_pip,
         );
-    let fds_8 = L::splat(1.0) / fds_4;
-    let fds_9 = fds_8
+    let fdp_19 = mul_sub(
+        fdp_18,
+        fdp_18 * (fdp_14 - fdp_17),
+        L::splat(0.5) * fdp_5 * fdp_17,
+    );
+    let fdp_20 = fdp_10 * fdp_12;
+    let fdp_21 = fdp_10
+        * mul_add(L::splat(6.8000000000000094e-6), sin_dip, L::splat(7.69e-5) * cos_dip);
+    let fdp_22 = mul_add(
+        fdp_21,
+        fdp_21 * (fdp_14 - fdp_20),
+        L::splat(0.5) * fdp_8 * fdp_20,
+    );
+    let fds_1 = mul_sub(
+        L::splat(2.3999999999999987e-5),
+        cos_mcp,
+        L::splat(0.0006000000000000001) * sin_mcp,
+    );
+    let (fds_2, fds_3) = sqrt_recip(L::splat(0.000601) - fds_1);
+    let fds_4 = mul_add(
+        L::splat(7.759999999999983e-5),
+        cos_pip,
+        L::splat(0.0003927999999999999) * sin_pip,
+    );
+    let (fds_5, fds_6) = sqrt_recip(L::splat(0.0004016399999999999) + fds_4);
+    let fds_7 = (L::splat(0.06512765830525491) + fds_2 + fds_5 - rest_fds) * c_0;
+    let fds_8 = fdp_1 * fds_7;
+    let fds_9 = fds_3 * fds_8;
+    let fds_10 = fds_3
+        * mul_add(
+            L::splat(1.1999999999999994e-5),
+            sin_mcp,
+            L::splat(0.00030000000000000003) * cos_mcp,
+        );
+    let fds_11 = mul_add(
+        fds_10,
+        fds_10 * (fdp_14 - fds_9),
+        L::splat(0.5) * fds_1 * fds_9,
+    );
+    let fds_12 = fds_6 * fds_8;
+    let fds_13 = fds_6
         * neg_mul_add(
             L::splat(3.879999999999991e-5),
             sin_pip,
             L::splat(0.00019639999999999995) * cos_pip,
         );
-    let edc_8 = L::splat(1.0) / edc_4;
-    let edc_9 = edc_8
-        * mul_sub(L::splat(7.7e-5), sin_pip, L::splat(3.5999999999999953e-5) * cos_pip);
-    let pip_1 = neg_mul_add(
-        edc_9,
-        edc_5,
-        neg_mul_add(fds_9, fds_5, neg_mul_add(fdp_11, fdp_7, mcp_24)),
+    let fds_14 = mul_sub(
+        fds_13,
+        fds_13 * (fdp_14 - fds_12),
+        L::splat(0.5) * fds_4 * fds_12,
     );
-    let lumbrical_10 = L::splat(1.0) / lumbrical_4;
-    let lumbrical_11 = lumbrical_10
+    let edc_1 = mul_add(L::splat(0.000213), cos_mcp, L::splat(0.000129) * sin_mcp);
+    let (edc_2, edc_3) = sqrt_recip(L::splat(0.00024925) - edc_1);
+    let edc_4 = mul_add(
+        L::splat(0.000154),
+        cos_pip,
+        L::splat(7.199999999999991e-5) * sin_pip,
+    );
+    let (edc_5, edc_6) = sqrt_recip(L::splat(0.00016999999999999996) - edc_4);
+    let edc_7 = (L::splat(0.09184108383968201) + edc_2 + edc_5 - rest_edc) * c_1;
+    let edc_8 = fdp_1 * edc_7;
+    let edc_9 = edc_3 * edc_8;
+    let edc_10 = fdp_1 * c_1;
+    let edc_11 = edc_3
+        * mul_sub(L::splat(0.0001065), sin_mcp, L::splat(6.45e-5) * cos_mcp);
+    let edc_12 = mul_add(
+        edc_11,
+        edc_11 * (edc_10 - edc_9),
+        L::splat(0.5) * edc_1 * edc_9,
+    );
+    let edc_13 = edc_6 * edc_8;
+    let edc_14 = edc_6
+        * mul_sub(L::splat(7.7e-5), sin_pip, L::splat(3.5999999999999953e-5) * cos_pip);
+    let edc_15 = mul_add(
+        edc_14,
+        edc_14 * (edc_10 - edc_13),
+        L::splat(0.5) * edc_4 * edc_13,
+    );
+    let lumbrical_1 = mul_add(L::splat(6.8e-5), cos_mcp, L::splat(0.000176) * sin_mcp);
+    let (lumbrical_2, lumbrical_3) = sqrt_recip(
+        L::splat(0.00018899999999999999) + lumbrical_1,
+    );
+    let lumbrical_4 = mul_add(
+        L::splat(5.4000000000000025e-5),
+        cos_pip,
+        L::splat(7.199999999999995e-5) * sin_pip,
+    );
+    let (lumbrical_5, lumbrical_6) = sqrt_recip(
+        L::splat(8.999999999999998e-5) - lumbrical_4,
+    );
+    let lumbrical_7 = mul_add(
+        L::splat(7.649999999999999e-5),
+        cos_dip,
+        L::splat(5.200000000000002e-5) * sin_dip,
+    );
+    let (lumbrical_8, lumbrical_9) = sqrt_recip(L::splat(9.25e-5) - lumbrical_7);
+    let lumbrical_10 = (L::splat(0.09024829243194461) + lumbrical_2 + lumbrical_5
+        + lumbrical_8 - rest_lumbrical) * c_2;
+    let lumbrical_11 = fdp_1 * lumbrical_10;
+    let lumbrical_12 = lumbrical_3 * lumbrical_11;
+    let lumbrical_13 = fdp_1 * c_2;
+    let lumbrical_14 = lumbrical_3
+        * neg_mul_add(L::splat(3.4e-5), sin_mcp, L::splat(8.8e-5) * cos_mcp);
+    let lumbrical_15 = mul_sub(
+        lumbrical_14,
+        lumbrical_14 * (lumbrical_13 - lumbrical_12),
+        L::splat(0.5) * lumbrical_1 * lumbrical_12,
+    );
+    let lumbrical_16 = lumbrical_6 * lumbrical_11;
+    let lumbrical_17 = lumbrical_6
         * mul_sub(
             L::splat(2.7000000000000013e-5),
             sin_pip,
             L::splat(3.5999999999999974e-5) * cos_pip,
         );
-    force[1] = neg_mul_add(lumbrical_11, lumbrical_7, pip_1);
-    let fdp_12 = L::splat(1.0) / fdp_6;
-    let fdp_13 = fdp_12
-        * mul_add(L::splat(6.8000000000000094e-6), sin_dip, L::splat(7.69e-5) * cos_dip);
-    let lumbrical_12 = L::splat(1.0) / lumbrical_6;
-    let lumbrical_13 = lumbrical_12
+    let lumbrical_18 = mul_add(
+        lumbrical_17,
+        lumbrical_17 * (lumbrical_13 - lumbrical_16),
+        L::splat(0.5) * lumbrical_4 * lumbrical_16,
+    );
+    let lumbrical_19 = lumbrical_9 * lumbrical_11;
+    let lumbrical_20 = lumbrical_9
         * mul_sub(
             L::splat(3.8249999999999995e-5),
             sin_dip,
             L::splat(2.600000000000001e-5) * cos_dip,
         );
-    force[2] = neg_mul_add(
-        lumbrical_13,
-        lumbrical_7,
-        neg_mul_add(fdp_13, fdp_7, mcp_23),
+    let lumbrical_21 = mul_add(
+        lumbrical_20,
+        lumbrical_20 * (lumbrical_13 - lumbrical_19),
+        L::splat(0.5) * lumbrical_7 * lumbrical_19,
     );
-    let mcp_26 = mcp_16 * mcp_5;
-    let mcp_27 = mul_add(mcp_14, mcp_9, mcp_26);
-    let fdp_14 = L::splat(0.25) * h;
-    let mcp_28 = L::splat(1.0) / h;
-    let mcp_29 = mul_sub(fdp_14, mcp_27, mcp_28 * mul_add(mcp_10, mcp_8, mcp_6 * mcp_2));
-    let mcp_30 = mcp_12 * mcp_19;
-    let mcp_31 = mcp_29
-        - mul_add(fdp_14, mcp_30 + mcp_27, L::splat(2.2502977721519766e-6) * mcp_28);
-    let mcp_32 = mul_add(
-        fdp_14,
-        mul_add(mcp_15, mcp_9, mcp_26),
-        L::splat(2.5540671987294797e-7) * mcp_28,
-    );
-    let mcp_33 = mcp_29 - mcp_32;
-    let mcp_34 = mcp_31 + mcp_33;
-    let mcp_35 = mul_sub(
-        fdp_14,
-        mcp_12 * mcp_9,
-        mcp_28 * (L::splat(8.412128307111171e-7) * mcp_7),
-    );
-    let mcp_36 = mul_sub(
-        fdp_14,
-        mcp_30,
-        mcp_28 * (L::splat(4.593580078614784e-6) * cos_pip),
-    ) + mcp_35;
-    let mcp_37 = mcp_36 + mcp_34;
-    let mcp_38 = mcp_36
-        - mul_add(fdp_14, mcp_12 * mcp_20, L::splat(1.8193617546820962e-5) * mcp_28);
-    let fdp_15 = fdp_14 * fdp_7;
-    let fdp_16 = fdp_8 * fdp_15;
-    let fdp_17 = fdp_14 * c_2;
-    let fdp_18 = neg_mul_add(
-        L::splat(0.5) * fdp_1,
-        fdp_16,
-        fdp_9 * (fdp_9 * (fdp_17 - fdp_16)),
-    );
-    let fds_10 = fdp_14 * fds_5;
-    let fds_11 = fds_6 * fds_10;
-    let fds_12 = mul_add(
-        L::splat(0.5) * fds_1,
-        fds_11,
-        fds_7 * (fds_7 * (fdp_17 - fds_11)),
-    );
-    let edc_10 = fdp_14 * edc_5;
-    let edc_11 = edc_6 * edc_10;
-    let edc_12 = fdp_14 * c_1;
-    let edc_13 = mul_add(
-        edc_7,
-        edc_7 * (edc_12 - edc_11),
-        L::splat(0.5) * edc_1 * edc_11,
-    );
-    let lumbrical_14 = fdp_14 * lumbrical_7;
-    let lumbrical_15 = lumbrical_8 * lumbrical_14;
-    let lumbrical_16 = fdp_14 * c_0;
-    let lumbrical_17 = neg_mul_add(
-        L::splat(0.5) * lumbrical_1,
-        lumbrical_15,
-        lumbrical_9 * (lumbrical_9 * (lumbrical_16 - lumbrical_15)),
-    );
-    matrix[0] = mcp_38 + mcp_37 - fdp_18 - fds_12 - edc_13 - lumbrical_17;
-    let mcp_39 = neg_mul_add(
-        fds_7,
-        fds_9 * fdp_17,
-        neg_mul_add(fdp_9, fdp_11 * fdp_17, mcp_37),
-    );
-    let mcp_40 = neg_mul_add(
-        lumbrical_9,
-        lumbrical_11 * lumbrical_16,
-        neg_mul_add(edc_7, edc_9 * edc_12, mcp_39),
-    );
-    let mcp_41 = L::splat(8.412128307111171e-7) * mcp_1
-        * (L::splat(0.5) * (v_mcp + mcp_4));
-    let mcp_42 = mul_add(
-        L::splat(4.593580078614784e-6) * sin_pip,
-        L::splat(0.5) * (v_mcp + mcp_3),
-        mcp_41,
-    );
-    matrix[1] = mcp_42 + mcp_40;
-    let fdp_19 = fdp_13 * fdp_17;
-    let lumbrical_18 = lumbrical_13 * lumbrical_16;
-    let mcp_43 = neg_mul_add(
-        lumbrical_9,
-        lumbrical_18,
-        neg_mul_add(fdp_9, fdp_19, mcp_35 + mcp_33),
-    );
-    let mcp_44 = mul_sub(mcp_10, mcp_2, mcp_6 * mcp_8)
-        * (L::splat(0.5) * (mcp_3 + mcp_4));
-    let mcp_45 = mcp_41 + mcp_44;
-    matrix[2] = mcp_45 + mcp_43;
-    matrix[3] = mcp_40 - mcp_42;
-    let fdp_20 = fdp_10 * fdp_15;
-    let fdp_21 = neg_mul_add(
-        L::splat(0.5) * fdp_3,
-        fdp_20,
-        fdp_11 * (fdp_11 * (fdp_17 - fdp_20)),
-    );
-    let fds_13 = fds_8 * fds_10;
-    let fds_14 = neg_mul_add(
-        L::splat(0.5) * fds_3,
-        fds_13,
-        fds_9 * (fds_9 * (fdp_17 - fds_13)),
-    );
-    let edc_14 = edc_8 * edc_10;
-    let edc_15 = mul_add(
-        edc_9,
-        edc_9 * (edc_12 - edc_14),
-        L::splat(0.5) * edc_3 * edc_14,
-    );
-    let lumbrical_19 = lumbrical_10 * lumbrical_14;
-    let lumbrical_20 = mul_add(
-        L::splat(0.5) * lumbrical_3,
-        lumbrical_19,
-        lumbrical_11 * (lumbrical_11 * (lumbrical_16 - lumbrical_19)),
-    );
-    matrix[4] = mcp_34 - fdp_21 - fds_14 - edc_15 - lumbrical_20;
-    let pip_2 = neg_mul_add(
-        lumbrical_11,
-        lumbrical_18,
-        neg_mul_add(fdp_11, fdp_19, mcp_33),
-    );
-    matrix[5] = mcp_44 + pip_2;
-    matrix[6] = mcp_43 - mcp_45;
-    matrix[7] = pip_2 - mcp_44;
-    let fdp_22 = fdp_12 * fdp_15;
-    let fdp_23 = mul_add(
-        fdp_13,
-        fdp_13 * (fdp_17 - fdp_22),
-        L::splat(0.5) * fdp_5 * fdp_22,
-    );
-    let lumbrical_21 = lumbrical_12 * lumbrical_14;
-    let lumbrical_22 = mul_add(
-        lumbrical_13,
-        lumbrical_13 * (lumbrical_16 - lumbrical_21),
-        L::splat(0.5) * lumbrical_5 * lumbrical_21,
-    );
-    matrix[8] = -(mcp_32 + fdp_23 + lumbrical_22);
+    let mcp_48 = neg_mul_add(fdp_15, fdp_11, mcp_25);
+    let pip_1 = neg_mul_add(fdp_18, fdp_11, mcp_22);
+    let dip_1 = neg_mul_add(fdp_21, fdp_11, mcp_17);
+    let mcp_49 = neg_mul_add(fdp_15, fdp_18 * fdp_14, mcp_42);
+    let fdp_23 = fdp_21 * fdp_14;
+    let mcp_50 = neg_mul_add(fdp_15, fdp_23, mcp_40);
+    let pip_2 = neg_mul_add(fdp_18, fdp_23, mcp_39);
+    let mcp_51 = mcp_43 - fdp_16;
+    let pip_3 = mcp_41 - fdp_19;
+    let dip_2 = mcp_35 + fdp_22;
+    let mcp_52 = neg_mul_add(fds_10, fds_7, mcp_48);
+    let pip_4 = neg_mul_add(fds_13, fds_7, pip_1);
+    let mcp_53 = neg_mul_add(fds_10, fds_13 * fdp_14, mcp_49);
+    let mcp_54 = mcp_51 - fds_11;
+    let pip_5 = pip_3 - fds_14;
+    let mcp_55 = neg_mul_add(edc_11, edc_7, mcp_52);
+    let pip_6 = neg_mul_add(edc_14, edc_7, pip_4);
+    let mcp_56 = neg_mul_add(edc_11, edc_14 * edc_10, mcp_53);
+    let mcp_57 = mcp_54 - edc_12;
+    let pip_7 = pip_5 - edc_15;
+    force[0] = neg_mul_add(lumbrical_14, lumbrical_10, mcp_55);
+    force[1] = neg_mul_add(lumbrical_17, lumbrical_10, pip_6);
+    force[2] = neg_mul_add(lumbrical_20, lumbrical_10, dip_1);
+    let mcp_58 = neg_mul_add(lumbrical_14, lumbrical_17 * lumbrical_13, mcp_56);
+    let lumbrical_22 = lumbrical_20 * lumbrical_13;
+    let mcp_59 = neg_mul_add(lumbrical_14, lumbrical_22, mcp_50);
+    let pip_8 = neg_mul_add(lumbrical_17, lumbrical_22, pip_2);
+    matrix[0] = mcp_57 - lumbrical_15;
+    matrix[4] = pip_7 - lumbrical_18;
+    matrix[8] = -(lumbrical_21 + dip_2);
+    matrix[3] = mcp_58 - mcp_45;
+    matrix[1] = mcp_45 + mcp_58;
+    matrix[6] = mcp_59 - mcp_47;
+    matrix[2] = mcp_47 + mcp_59;
+    matrix[7] = pip_8 - mcp_46;
+    matrix[5] = mcp_46 + pip_8;
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -564,6 +594,7 @@ pub fn evaluate_with_matrix<L: Lane>(
 pub fn mass_matrix<L: Lane>(q: &[L; 3], matrix: &mut [L; 9]) {
     let q_pip = q[1];
     let q_dip = q[2];
+    matrix[8] = L::splat(2.5540671987294797e-7);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
     let mcp_1 = L::splat(0.0224) * sin_pip
@@ -575,21 +606,22 @@ pub fn mass_matrix<L: Lane>(q: &[L; 3], matrix: &mut [L; 9]) {
         L::splat(2.113600077163611e-5) * mcp_2,
         mcp_1,
     );
-    let mcp_4 = L::splat(2.5540671987294797e-7) + mcp_3;
-    let mcp_5 = L::splat(2.2502977721519766e-6) + mcp_3 + mcp_4;
-    let mcp_6 = L::splat(8.412128307111171e-7) * mcp_2;
-    let mcp_7 = mul_add(L::splat(4.593580078614784e-6), cos_pip, mcp_6);
-    let mcp_8 = mcp_7 + mcp_5;
-    matrix[0] = L::splat(1.8193617546820962e-5) + mcp_7 + mcp_8;
-    matrix[1] = mcp_8;
-    let mcp_9 = mcp_6 + mcp_4;
+    let mcp_4 = L::splat(8.412128307111171e-7) * mcp_2;
+    let mcp_5 = mul_add(L::splat(4.593580078614784e-6), cos_pip, mcp_4);
+    let mcp_6 = L::splat(2.2502977721519766e-6) + mcp_3;
+    let mcp_7 = L::splat(1.8193617546820962e-5) + mcp_5;
+    let mcp_8 = L::splat(2.5540671987294797e-7) + mcp_3;
+    matrix[5] = mcp_8;
+    matrix[7] = mcp_8;
+    let mcp_9 = mcp_4 + mcp_8;
     matrix[2] = mcp_9;
-    matrix[3] = mcp_8;
-    matrix[4] = mcp_5;
-    matrix[5] = mcp_4;
     matrix[6] = mcp_9;
-    matrix[7] = mcp_4;
-    matrix[8] = L::splat(2.5540671987294797e-7);
+    let mcp_10 = mcp_6 + mcp_8;
+    matrix[4] = mcp_10;
+    let mcp_11 = mcp_5 + mcp_10;
+    matrix[1] = mcp_11;
+    matrix[3] = mcp_11;
+    matrix[0] = mcp_7 + mcp_11;
 }
 
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
@@ -702,9 +734,9 @@ pub static PLACES: [Place<3, 4, 0>; 1] = [
 pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 3]; 1] {
     [
         [
-            params[parameter::K_LUMBRICAL],
-            params[parameter::K_EXTENSOR],
             params[parameter::K_FLEXOR],
+            params[parameter::K_EXTENSOR],
+            params[parameter::K_LUMBRICAL],
         ],
     ]
 }

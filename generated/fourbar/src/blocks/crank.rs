@@ -34,16 +34,16 @@ pub fn evaluate<L: Lane>(
     let crank_5 = v_crank + v_coupler;
     let crank_6 = neg_mul_add(crank_5, crank_4, L::splat(0.1) * v_coupler * crank_2);
     momentum[0] = mul_sub(L::splat(0.00033416666666666675), v_crank, crank_6);
+    let (sin_crank, cos_crank) = sin_cos(q_crank);
+    let crank_7 = L::splat(9.81) * cos_crank;
+    let crank_8 = crank_3 * (L::splat(9.81) * sin_crank);
+    force[0] = neg_mul_add(crank_7, L::splat(0.005000000000000001) + crank_2, crank_8);
     let coupler_1 = mul_add(
         L::splat(0.1),
         neg_mul_add(L::splat(0.034999999999999996), v_coupler, crank_5 * crank_2),
         crank_6,
     );
     momentum[1] = -coupler_1;
-    let (sin_crank, cos_crank) = sin_cos(q_crank);
-    let crank_7 = L::splat(9.81) * cos_crank;
-    let crank_8 = crank_3 * (L::splat(9.81) * sin_crank);
-    force[0] = neg_mul_add(crank_7, L::splat(0.005000000000000001) + crank_2, crank_8);
     force[1] = neg_mul_add(
         L::splat(0.1) * v_crank,
         crank_5 * crank_3,
@@ -87,18 +87,26 @@ pub fn evaluate_with_matrix<L: Lane>(
         L::splat(0.1) * v_coupler * crank_2,
     );
     momentum[0] = mul_sub(L::splat(0.00033416666666666675), v_crank, crank_6);
-    let coupler_1 = neg_mul_add(
-        L::splat(0.034999999999999996),
-        v_coupler,
-        crank_5 * crank_2,
-    );
-    momentum[1] = -mul_add(L::splat(0.1), coupler_1, crank_6);
     let crank_7 = L::splat(0.005000000000000001) + crank_2;
     let (sin_crank, cos_crank) = sin_cos(q_crank);
     let crank_8 = L::splat(9.81) * cos_crank;
     let crank_9 = L::splat(9.81) * sin_crank;
     let crank_10 = crank_3 * crank_9;
     force[0] = neg_mul_add(crank_8, crank_7, crank_10);
+    let crank_11 = L::splat(1.0) / h;
+    let crank_12 = crank_3 * crank_8;
+    let crank_13 = L::splat(0.25) * h;
+    matrix[0] = mul_add(
+        L::splat(-0.003909999999999999) - crank_4,
+        crank_11,
+        crank_13 * mul_add(crank_9, crank_7, crank_12),
+    );
+    let coupler_1 = neg_mul_add(
+        L::splat(0.034999999999999996),
+        v_coupler,
+        crank_5 * crank_2,
+    );
+    momentum[1] = -mul_add(L::splat(0.1), coupler_1, crank_6);
     let coupler_2 = crank_5 * crank_3;
     let coupler_3 = L::splat(0.1) * v_crank;
     force[1] = neg_mul_add(
@@ -110,32 +118,24 @@ pub fn evaluate_with_matrix<L: Lane>(
             mul_sub(crank_2, crank_8, crank_10),
         ),
     );
-    let crank_11 = L::splat(1.0) / h;
-    let crank_12 = crank_3 * crank_8;
-    let crank_13 = L::splat(0.25) * h;
-    matrix[0] = mul_add(
-        L::splat(-0.003909999999999999) - crank_4,
-        crank_11,
-        crank_13 * mul_add(crank_9, crank_7, crank_12),
-    );
-    let crank_14 = crank_11
+    let coupler_4 = crank_11
         * mul_add(
             L::splat(0.034999999999999996),
             crank_1,
             L::splat(-0.0035758333333333323) - crank_4,
         );
-    let crank_15 = L::splat(-0.034999999999999996) + crank_2;
-    let crank_16 = mul_add(crank_9, crank_15, crank_12);
-    let crank_17 = mul_add(crank_13, crank_16, crank_14);
-    let crank_18 = mul_add(coupler_3, crank_3, L::splat(0.1) * coupler_2);
-    matrix[1] = mul_add(L::splat(0.5), crank_18, crank_17);
-    matrix[2] = neg_mul_add(L::splat(0.5), crank_18, crank_17);
-    let coupler_4 = mul_add(
+    let coupler_5 = L::splat(-0.034999999999999996) + crank_2;
+    let coupler_6 = mul_add(
         coupler_3,
         crank_13 * mul_sub(L::splat(0.034999999999999996), v_crank, coupler_1),
-        mul_add(L::splat(0.1), crank_11 * crank_15, crank_14),
+        mul_add(L::splat(0.1), crank_11 * coupler_5, coupler_4),
     );
-    matrix[3] = mul_add(crank_13, crank_16, coupler_4);
+    let coupler_7 = mul_add(crank_9, coupler_5, crank_12);
+    matrix[3] = mul_add(crank_13, coupler_7, coupler_6);
+    let crank_14 = mul_add(crank_13, coupler_7, coupler_4);
+    let coupler_8 = mul_add(coupler_3, crank_3, L::splat(0.1) * coupler_2);
+    matrix[2] = neg_mul_add(L::splat(0.5), coupler_8, crank_14);
+    matrix[1] = mul_add(L::splat(0.5), coupler_8, crank_14);
 }
 
 /// Mass matrix M = ∂²L/∂v².

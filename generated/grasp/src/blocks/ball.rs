@@ -18,8 +18,8 @@ use handc_core::shape::{Local, Place, Shape};
 pub fn evaluate<L: Lane>(
     q: &[L; 6],
     v: &[L; 6],
-    momentum: &mut [L; 6],
     force: &mut [L; 6],
+    momentum: &mut [L; 6],
 ) {
     let q_ball_rx = q[3];
     let q_ball_ry = q[4];
@@ -29,16 +29,20 @@ pub fn evaluate<L: Lane>(
     let v_ball_rx = v[3];
     let v_ball_ry = v[4];
     let v_ball_rz = v[5];
+    force[0] = L::splat(0.0);
+    force[1] = L::splat(0.0);
+    force[2] = L::splat(-0.9810000000000001);
+    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
+    let ball_rx_1 = L::splat(4.900000000000001e-5)
+        * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
+    momentum[3] = ball_rx_1;
     let ball_tx_1 = L::splat(0.1) * v_ball_tx;
     momentum[0] = ball_tx_1;
     let ball_ty_1 = L::splat(0.1) * v_ball_ty;
     momentum[1] = ball_ty_1;
     let ball_tz_1 = L::splat(0.1) * v_ball_tz;
     momentum[2] = ball_tz_1;
-    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    let ball_rx_1 = L::splat(4.900000000000001e-5)
-        * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
-    momentum[3] = ball_rx_1;
+    force[3] = mul_sub(v_ball_tz, ball_ty_1, v_ball_ty * ball_tz_1);
     let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
     let ball_ry_1 = cos_ball_rx * cos_ball_ry;
     let ball_ry_2 = v_ball_ry * sin_ball_rx;
@@ -49,47 +53,43 @@ pub fn evaluate<L: Lane>(
     let ball_ry_6 = L::splat(4.900000000000001e-5)
         * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
     momentum[4] = mul_add(cos_ball_rx, ball_ry_6, sin_ball_rx * ball_ry_3);
+    let ball_ry_7 = neg_mul_add(
+        v_ball_rx * sin_ball_rx,
+        ball_ry_6,
+        v_ball_rx * cos_ball_rx * ball_ry_3,
+    );
+    let ball_ry_8 = mul_sub(
+        mul_sub(v_ball_ty, sin_ball_rx, v_ball_tz * cos_ball_rx),
+        ball_tx_1,
+        v_ball_tx * sin_ball_rx * ball_ty_1,
+    );
+    force[4] = ball_ry_7 + mul_add(v_ball_tx * cos_ball_rx, ball_tz_1, ball_ry_8);
     momentum[5] = mul_add(
         ball_ry_1,
         ball_ry_3,
-        neg_mul_add(ball_ry_4, ball_ry_6, sin_ball_ry * ball_rx_1),
+        mul_sub(sin_ball_ry, ball_rx_1, ball_ry_4 * ball_ry_6),
     );
-    force[0] = L::splat(0.0);
-    force[1] = L::splat(0.0);
-    force[2] = L::splat(-0.9810000000000001);
-    force[3] = neg_mul_add(v_ball_ty, ball_tz_1, v_ball_tz * ball_ty_1);
-    let ball_ry_7 = neg_mul_add(
-        ball_ry_6,
-        v_ball_rx * sin_ball_rx,
-        ball_ry_3 * (v_ball_rx * cos_ball_rx),
-    );
-    let ball_ry_8 = neg_mul_add(
-        ball_ty_1,
-        v_ball_tx * sin_ball_rx,
-        ball_tx_1 * neg_mul_add(v_ball_tz, cos_ball_rx, v_ball_ty * sin_ball_rx),
-    );
-    force[4] = ball_ry_7 + mul_add(ball_tz_1, v_ball_tx * cos_ball_rx, ball_ry_8);
     let ball_rz_1 = mul_add(
+        mul_add(ball_ry_1, ball_ry_5, ball_ry_4 * ball_ry_2),
         ball_rx_1,
-        mul_add(ball_ry_5, ball_ry_1, ball_ry_4 * ball_ry_2),
-        ball_ry_6 * neg_mul_add(v_ball_rx, ball_ry_1, sin_ball_ry * ball_ry_2),
+        mul_sub(sin_ball_ry, ball_ry_2, v_ball_rx * ball_ry_1) * ball_ry_6,
     );
     let ball_rz_2 = neg_mul_add(
-        ball_ry_3,
         mul_add(v_ball_rx, ball_ry_4, sin_ball_ry * ball_ry_5),
+        ball_ry_3,
         ball_rz_1,
     );
     let ball_rz_3 = mul_add(
-        ball_ty_1,
-        neg_mul_add(v_ball_tx, ball_ry_1, v_ball_tz * sin_ball_ry),
-        ball_tx_1 * mul_add(v_ball_ty, ball_ry_1, v_ball_tz * ball_ry_4),
+        mul_add(v_ball_ty, ball_ry_1, v_ball_tz * ball_ry_4),
+        ball_tx_1,
+        mul_sub(v_ball_tz, sin_ball_ry, v_ball_tx * ball_ry_1) * ball_ty_1,
     );
     let ball_rz_4 = neg_mul_add(
-        ball_tz_1,
         mul_add(v_ball_tx, ball_ry_4, v_ball_ty * sin_ball_ry),
+        ball_tz_1,
         ball_rz_3,
     );
-    force[5] = ball_rz_4 + ball_rz_2;
+    force[5] = ball_rz_2 + ball_rz_4;
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -104,9 +104,9 @@ pub fn evaluate_with_matrix<L: Lane>(
     q: &[L; 6],
     v: &[L; 6],
     h: L,
-    momentum: &mut [L; 6],
     force: &mut [L; 6],
     matrix: &mut [L; 36],
+    momentum: &mut [L; 6],
 ) {
     let q_ball_rx = q[3];
     let q_ball_ry = q[4];
@@ -116,16 +116,26 @@ pub fn evaluate_with_matrix<L: Lane>(
     let v_ball_rx = v[3];
     let v_ball_ry = v[4];
     let v_ball_rz = v[5];
-    let ball_tx_1 = L::splat(0.1) * v_ball_tx;
-    momentum[0] = ball_tx_1;
-    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
-    momentum[1] = ball_ty_1;
-    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
-    momentum[2] = ball_tz_1;
+    force[0] = L::splat(0.0);
+    force[1] = L::splat(0.0);
+    force[2] = L::splat(-0.9810000000000001);
+    let ball_tx_1 = L::splat(1.0) / h;
+    let ball_tx_2 = L::splat(0.1) * ball_tx_1;
+    matrix[0] = -ball_tx_2;
+    matrix[7] = -ball_tx_2;
+    matrix[14] = -ball_tx_2;
+    matrix[21] = L::splat(-4.900000000000001e-5) * ball_tx_1;
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
     let ball_rx_1 = L::splat(4.900000000000001e-5)
         * mul_add(v_ball_rz, sin_ball_ry, v_ball_rx);
     momentum[3] = ball_rx_1;
+    let ball_tx_3 = L::splat(0.1) * v_ball_tx;
+    momentum[0] = ball_tx_3;
+    let ball_ty_1 = L::splat(0.1) * v_ball_ty;
+    momentum[1] = ball_ty_1;
+    let ball_tz_1 = L::splat(0.1) * v_ball_tz;
+    momentum[2] = ball_tz_1;
+    force[3] = mul_sub(v_ball_tz, ball_ty_1, v_ball_ty * ball_tz_1);
     let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
     let ball_ry_1 = cos_ball_rx * cos_ball_ry;
     let ball_ry_2 = v_ball_ry * sin_ball_rx;
@@ -136,116 +146,32 @@ pub fn evaluate_with_matrix<L: Lane>(
     let ball_ry_6 = L::splat(4.900000000000001e-5)
         * neg_mul_add(v_ball_rz, ball_ry_4, ball_ry_5);
     momentum[4] = mul_add(cos_ball_rx, ball_ry_6, sin_ball_rx * ball_ry_3);
-    momentum[5] = mul_add(
-        ball_ry_1,
-        ball_ry_3,
-        neg_mul_add(ball_ry_4, ball_ry_6, sin_ball_ry * ball_rx_1),
-    );
-    force[0] = L::splat(0.0);
-    force[1] = L::splat(0.0);
-    force[2] = L::splat(-0.9810000000000001);
-    force[3] = neg_mul_add(v_ball_ty, ball_tz_1, v_ball_tz * ball_ty_1);
     let ball_ry_7 = v_ball_rx * sin_ball_rx;
     let ball_ry_8 = v_ball_rx * cos_ball_rx;
-    let ball_ry_9 = neg_mul_add(v_ball_tz, cos_ball_rx, v_ball_ty * sin_ball_rx);
-    let ball_ry_10 = v_ball_tx * sin_ball_rx;
-    let ball_ry_11 = v_ball_tx * cos_ball_rx;
-    let ball_ry_12 = mul_add(
-        ball_tz_1,
-        ball_ry_11,
-        neg_mul_add(ball_ty_1, ball_ry_10, ball_tx_1 * ball_ry_9),
-    );
-    force[4] = neg_mul_add(ball_ry_6, ball_ry_7, ball_ry_3 * ball_ry_8) + ball_ry_12;
-    let ball_rz_1 = neg_mul_add(v_ball_rx, ball_ry_1, sin_ball_ry * ball_ry_2);
-    let ball_rz_2 = mul_add(ball_ry_5, ball_ry_1, ball_ry_4 * ball_ry_2);
-    let ball_rz_3 = mul_add(v_ball_rx, ball_ry_4, sin_ball_ry * ball_ry_5);
-    let ball_rz_4 = neg_mul_add(
-        ball_ry_3,
-        ball_rz_3,
-        mul_add(ball_rx_1, ball_rz_2, ball_ry_6 * ball_rz_1),
-    );
-    let ball_rz_5 = mul_add(v_ball_ty, ball_ry_1, v_ball_tz * ball_ry_4);
-    let ball_rz_6 = neg_mul_add(v_ball_tx, ball_ry_1, v_ball_tz * sin_ball_ry);
-    let ball_rz_7 = mul_add(v_ball_tx, ball_ry_4, v_ball_ty * sin_ball_ry);
-    let ball_rz_8 = neg_mul_add(
-        ball_tz_1,
-        ball_rz_7,
-        mul_add(ball_ty_1, ball_rz_6, ball_tx_1 * ball_rz_5),
-    );
-    force[5] = ball_rz_8 + ball_rz_4;
-    let ball_tx_2 = L::splat(1.0) / h;
-    let ball_tx_3 = L::splat(0.1) * ball_tx_2;
-    matrix[0] = -ball_tx_3;
-    let ball_tx_4 = mul_add(
-        L::splat(0.1),
-        ball_ry_9,
-        neg_mul_add(sin_ball_rx, ball_ty_1, cos_ball_rx * ball_tz_1),
-    );
-    let ball_tx_5 = L::splat(0.5) * ball_tx_4;
-    matrix[4] = -ball_tx_5;
-    let ball_tx_6 = mul_sub(
-        L::splat(0.1),
-        ball_rz_5,
-        mul_add(ball_ty_1, ball_ry_1, ball_tz_1 * ball_ry_4),
-    );
-    let ball_tx_7 = L::splat(0.5) * ball_tx_6;
-    matrix[5] = -ball_tx_7;
-    matrix[7] = -ball_tx_3;
-    let ball_ty_2 = neg_mul_add(L::splat(0.1), ball_ry_10, sin_ball_rx * ball_tx_1);
-    let ball_ty_3 = L::splat(0.5) * ball_ty_2;
-    matrix[10] = -ball_ty_3;
-    let ball_ty_4 = mul_add(
-        L::splat(0.1),
-        ball_rz_6,
-        neg_mul_add(sin_ball_ry, ball_tz_1, ball_tx_1 * ball_ry_1),
-    );
-    let ball_ty_5 = L::splat(0.5) * ball_ty_4;
-    matrix[11] = -ball_ty_5;
-    matrix[14] = -ball_tx_3;
-    let ball_tz_2 = neg_mul_add(cos_ball_rx, ball_tx_1, L::splat(0.1) * ball_ry_11);
-    let ball_tz_3 = L::splat(0.5) * ball_tz_2;
-    matrix[16] = -ball_tz_3;
-    let ball_tz_4 = neg_mul_add(
-        L::splat(0.1),
-        ball_rz_7,
-        mul_add(sin_ball_ry, ball_ty_1, ball_tx_1 * ball_ry_4),
-    );
-    let ball_tz_5 = L::splat(0.5) * ball_tz_4;
-    matrix[17] = -ball_tz_5;
-    matrix[21] = L::splat(-4.900000000000001e-5) * ball_tx_2;
-    let index_fdp_1 = L::splat(0.25) * h;
-    let ball_rx_2 = index_fdp_1 * ball_tz_2;
-    let ball_rx_3 = index_fdp_1 * ball_ty_2;
-    let ball_rx_4 = neg_mul_add(v_ball_ty, ball_rx_2, v_ball_tz * ball_rx_3);
-    let ball_rx_5 = neg_mul_add(sin_ball_rx, ball_ry_6, cos_ball_rx * ball_ry_3);
-    matrix[22] = neg_mul_add(L::splat(0.5), ball_rx_5, ball_rx_4);
-    let ball_rx_6 = index_fdp_1 * ball_tz_4;
-    let ball_rx_7 = index_fdp_1 * ball_ty_4;
-    let ball_rx_8 = ball_tx_2 * (L::splat(4.900000000000001e-5) * sin_ball_ry);
-    let ball_rx_9 = neg_mul_add(v_ball_ty, ball_rx_6, v_ball_tz * ball_rx_7) - ball_rx_8;
-    let ball_rx_10 = mul_sub(
-        L::splat(4.900000000000001e-5),
-        ball_rz_2,
-        mul_add(ball_ry_4, ball_ry_3, ball_ry_6 * ball_ry_1),
-    );
-    matrix[23] = neg_mul_add(L::splat(0.5), ball_rx_10, ball_rx_9);
-    matrix[24] = ball_tx_5;
-    matrix[25] = ball_ty_3;
-    matrix[26] = ball_tz_3;
-    matrix[27] = mul_add(L::splat(0.5), ball_rx_5, ball_rx_4);
+    let ball_ry_9 = neg_mul_add(ball_ry_7, ball_ry_6, ball_ry_8 * ball_ry_3);
+    let ball_ry_10 = mul_sub(v_ball_ty, sin_ball_rx, v_ball_tz * cos_ball_rx);
+    let ball_ry_11 = v_ball_tx * sin_ball_rx;
+    let ball_ry_12 = v_ball_tx * cos_ball_rx;
     let ball_ry_13 = mul_add(
-        ball_ry_11,
-        ball_rx_2,
-        neg_mul_add(ball_ry_10, ball_rx_3, ball_ry_9 * (index_fdp_1 * ball_tx_4)),
+        ball_ry_12,
+        ball_tz_1,
+        mul_sub(ball_ry_10, ball_tx_3, ball_ry_11 * ball_ty_1),
     );
-    let ball_ry_14 = ball_ry_8
+    force[4] = ball_ry_9 + ball_ry_13;
+    let ball_ry_14 = mul_add(
+        cos_ball_rx,
+        ball_tx_1 * (L::splat(4.900000000000001e-5) * cos_ball_rx),
+        sin_ball_rx * (ball_tx_1 * (L::splat(4.900000000000001e-5) * sin_ball_rx)),
+    );
+    let index_fdp_1 = L::splat(0.25) * h;
+    let ball_ry_15 = ball_ry_8
         * (index_fdp_1
-            * neg_mul_add(
-                cos_ball_rx,
-                ball_rx_1,
-                L::splat(4.900000000000001e-5) * ball_ry_8,
+            * mul_sub(
+                L::splat(4.900000000000001e-5),
+                ball_ry_8,
+                cos_ball_rx * ball_rx_1,
             ));
-    let ball_ry_15 = neg_mul_add(
+    let ball_ry_16 = neg_mul_add(
         ball_ry_7,
         index_fdp_1
             * neg_mul_add(
@@ -253,62 +179,138 @@ pub fn evaluate_with_matrix<L: Lane>(
                 ball_ry_7,
                 sin_ball_rx * ball_rx_1,
             ),
-        ball_ry_14,
+        ball_ry_15,
     );
-    let ball_ry_16 = mul_add(
-        sin_ball_rx,
-        ball_tx_2 * (L::splat(4.900000000000001e-5) * sin_ball_rx),
-        cos_ball_rx * (ball_tx_2 * (L::splat(4.900000000000001e-5) * cos_ball_rx)),
+    let ball_ry_17 = mul_add(
+        L::splat(0.1),
+        ball_ry_10,
+        mul_sub(cos_ball_rx, ball_tz_1, sin_ball_rx * ball_ty_1),
     );
-    matrix[28] = ball_ry_15 + ball_ry_13 - ball_ry_16;
-    let ball_ry_17 = index_fdp_1 * ball_tx_6;
-    let ball_ry_18 = mul_add(
-        ball_ry_11,
-        ball_rx_6,
-        neg_mul_add(ball_ry_10, ball_rx_7, ball_ry_9 * ball_ry_17),
+    let ball_ry_18 = neg_mul_add(L::splat(0.1), ball_ry_11, sin_ball_rx * ball_tx_3);
+    let ball_ry_19 = index_fdp_1 * ball_ry_18;
+    let ball_ry_20 = mul_sub(L::splat(0.1), ball_ry_12, cos_ball_rx * ball_tx_3);
+    let ball_ry_21 = index_fdp_1 * ball_ry_20;
+    let ball_ry_22 = mul_add(
+        ball_ry_12,
+        ball_ry_21,
+        mul_sub(ball_ry_10, index_fdp_1 * ball_ry_17, ball_ry_11 * ball_ry_19),
     );
-    let ball_ry_19 = mul_add(
+    matrix[28] = ball_ry_16 + ball_ry_22 - ball_ry_14;
+    let ball_rx_2 = mul_sub(v_ball_tz, ball_ry_19, v_ball_ty * ball_ry_21);
+    let ball_ry_23 = L::splat(0.5) * ball_ry_20;
+    matrix[26] = ball_ry_23;
+    let ball_ry_24 = L::splat(0.5) * ball_ry_18;
+    matrix[25] = ball_ry_24;
+    let ball_ry_25 = L::splat(0.5) * ball_ry_17;
+    matrix[24] = ball_ry_25;
+    momentum[5] = mul_add(
+        ball_ry_1,
+        ball_ry_3,
+        mul_sub(sin_ball_ry, ball_rx_1, ball_ry_4 * ball_ry_6),
+    );
+    let ball_rz_1 = mul_sub(sin_ball_ry, ball_ry_2, v_ball_rx * ball_ry_1);
+    let ball_rz_2 = mul_add(ball_ry_1, ball_ry_5, ball_ry_4 * ball_ry_2);
+    let ball_rz_3 = mul_add(v_ball_rx, ball_ry_4, sin_ball_ry * ball_ry_5);
+    let ball_rz_4 = neg_mul_add(
+        ball_rz_3,
+        ball_ry_3,
+        mul_add(ball_rz_2, ball_rx_1, ball_rz_1 * ball_ry_6),
+    );
+    let ball_rz_5 = mul_add(v_ball_ty, ball_ry_1, v_ball_tz * ball_ry_4);
+    let ball_rz_6 = mul_sub(v_ball_tz, sin_ball_ry, v_ball_tx * ball_ry_1);
+    let ball_rz_7 = mul_add(v_ball_tx, ball_ry_4, v_ball_ty * sin_ball_ry);
+    let ball_rz_8 = neg_mul_add(
+        ball_rz_7,
+        ball_tz_1,
+        mul_add(ball_rz_5, ball_tx_3, ball_rz_6 * ball_ty_1),
+    );
+    force[5] = ball_rz_4 + ball_rz_8;
+    let ball_rz_9 = L::splat(4.900000000000001e-5) * ball_ry_4;
+    let ball_rz_10 = ball_tx_1 * ball_rz_9;
+    let ball_rz_11 = ball_tx_1 * (L::splat(4.900000000000001e-5) * sin_ball_ry);
+    let ball_rz_12 = L::splat(4.900000000000001e-5) * ball_ry_1;
+    let ball_rz_13 = ball_tx_1 * ball_rz_12;
+    let ball_rz_14 = mul_add(
+        ball_ry_1,
+        ball_rz_13,
+        mul_add(sin_ball_ry, ball_rz_11, ball_ry_4 * ball_rz_10),
+    );
+    let ball_rz_15 = mul_sub(
+        L::splat(4.900000000000001e-5),
+        ball_rz_2,
+        mul_add(ball_ry_4, ball_ry_3, ball_ry_1 * ball_ry_6),
+    );
+    let ball_rz_16 = mul_add(
         L::splat(4.900000000000001e-5),
         ball_rz_1,
-        neg_mul_add(sin_ball_ry, ball_ry_3, ball_rx_1 * ball_ry_1),
+        mul_sub(ball_ry_1, ball_rx_1, sin_ball_ry * ball_ry_3),
     );
-    let ball_ry_20 = index_fdp_1 * ball_ry_19;
-    let ball_ry_21 = neg_mul_add(
+    let ball_rz_17 = index_fdp_1 * ball_rz_16;
+    let ball_rz_18 = neg_mul_add(
         L::splat(4.900000000000001e-5),
         ball_rz_3,
-        mul_add(sin_ball_ry, ball_ry_6, ball_rx_1 * ball_ry_4),
+        mul_add(sin_ball_ry, ball_ry_6, ball_ry_4 * ball_rx_1),
     );
-    let ball_ry_22 = index_fdp_1 * ball_ry_21;
-    let ball_ry_23 = L::splat(4.900000000000001e-5) * ball_ry_1;
-    let ball_ry_24 = ball_tx_2 * ball_ry_23;
-    let ball_ry_25 = L::splat(4.900000000000001e-5) * ball_ry_4;
-    let ball_ry_26 = ball_tx_2 * ball_ry_25;
-    let ball_ry_27 = neg_mul_add(ball_ry_7, ball_ry_20, ball_ry_8 * ball_ry_22)
-        + ball_ry_18 + neg_mul_add(sin_ball_rx, ball_ry_24, cos_ball_rx * ball_ry_26);
-    let ball_ry_28 = mul_add(cos_ball_rx, ball_ry_19, sin_ball_rx * ball_ry_21)
-        - mul_add(ball_ry_8, ball_ry_23, ball_ry_7 * ball_ry_25);
-    matrix[29] = neg_mul_add(L::splat(0.5), ball_ry_28, ball_ry_27);
-    matrix[30] = ball_tx_7;
-    matrix[31] = ball_ty_5;
-    matrix[32] = ball_tz_5;
-    matrix[33] = mul_add(L::splat(0.5), ball_rx_10, ball_rx_9);
-    matrix[34] = mul_add(L::splat(0.5), ball_ry_28, ball_ry_27);
-    let ball_rz_9 = neg_mul_add(
+    let ball_rz_19 = index_fdp_1 * ball_rz_18;
+    let ball_rz_20 = neg_mul_add(
         ball_rz_3,
-        ball_ry_22,
-        mul_add(ball_rz_2, index_fdp_1 * ball_rx_10, ball_rz_1 * ball_ry_20),
+        ball_rz_19,
+        mul_add(ball_rz_2, index_fdp_1 * ball_rz_15, ball_rz_1 * ball_rz_17),
     );
-    let ball_rz_10 = neg_mul_add(
+    let ball_rz_21 = mul_sub(
+        L::splat(0.1),
+        ball_rz_5,
+        mul_add(ball_ry_4, ball_tz_1, ball_ry_1 * ball_ty_1),
+    );
+    let ball_rz_22 = index_fdp_1 * ball_rz_21;
+    let ball_rz_23 = mul_add(
+        L::splat(0.1),
+        ball_rz_6,
+        mul_sub(ball_ry_1, ball_tx_3, sin_ball_ry * ball_tz_1),
+    );
+    let ball_rz_24 = index_fdp_1 * ball_rz_23;
+    let ball_rz_25 = neg_mul_add(
+        L::splat(0.1),
         ball_rz_7,
-        ball_rx_6,
-        mul_add(ball_rz_5, ball_ry_17, ball_rz_6 * ball_rx_7),
+        mul_add(sin_ball_ry, ball_ty_1, ball_ry_4 * ball_tx_3),
     );
-    let ball_rz_11 = mul_add(
-        ball_ry_1,
-        ball_ry_24,
-        mul_add(ball_ry_4, ball_ry_26, sin_ball_ry * ball_rx_8),
+    let ball_rz_26 = index_fdp_1 * ball_rz_25;
+    let ball_rz_27 = neg_mul_add(
+        ball_rz_7,
+        ball_rz_26,
+        mul_add(ball_rz_5, ball_rz_22, ball_rz_6 * ball_rz_24),
     );
-    matrix[35] = ball_rz_9 + ball_rz_10 - ball_rz_11;
+    matrix[35] = ball_rz_20 + ball_rz_27 - ball_rz_14;
+    let ball_ry_26 = mul_sub(cos_ball_rx, ball_rz_10, sin_ball_rx * ball_rz_13);
+    let ball_ry_27 = neg_mul_add(ball_ry_7, ball_rz_17, ball_ry_8 * ball_rz_19);
+    let ball_ry_28 = mul_add(
+        ball_ry_12,
+        ball_rz_26,
+        mul_sub(ball_ry_10, ball_rz_22, ball_ry_11 * ball_rz_24),
+    );
+    let ball_ry_29 = ball_ry_26 + (ball_ry_27 + ball_ry_28);
+    let ball_rx_3 = mul_sub(v_ball_tz, ball_rz_24, v_ball_ty * ball_rz_26) - ball_rz_11;
+    let ball_rz_28 = L::splat(0.5) * ball_rz_25;
+    matrix[32] = ball_rz_28;
+    let ball_rz_29 = L::splat(0.5) * ball_rz_23;
+    matrix[31] = ball_rz_29;
+    let ball_rz_30 = L::splat(0.5) * ball_rz_21;
+    matrix[30] = ball_rz_30;
+    matrix[4] = -ball_ry_25;
+    matrix[10] = -ball_ry_24;
+    matrix[16] = -ball_ry_23;
+    let ball_ry_30 = mul_sub(cos_ball_rx, ball_ry_3, sin_ball_rx * ball_ry_6);
+    matrix[27] = mul_add(L::splat(0.5), ball_ry_30, ball_rx_2);
+    matrix[22] = neg_mul_add(L::splat(0.5), ball_ry_30, ball_rx_2);
+    matrix[5] = -ball_rz_30;
+    matrix[11] = -ball_rz_29;
+    matrix[17] = -ball_rz_28;
+    matrix[33] = mul_add(L::splat(0.5), ball_rz_15, ball_rx_3);
+    matrix[23] = neg_mul_add(L::splat(0.5), ball_rz_15, ball_rx_3);
+    let ball_rz_31 = mul_add(cos_ball_rx, ball_rz_16, sin_ball_rx * ball_rz_18)
+        - mul_add(ball_ry_7, ball_rz_9, ball_ry_8 * ball_rz_12);
+    matrix[34] = mul_add(L::splat(0.5), ball_rz_31, ball_ry_29);
+    matrix[29] = neg_mul_add(L::splat(0.5), ball_rz_31, ball_ry_29);
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -329,25 +331,25 @@ pub fn mass_matrix<L: Lane>(q: &[L; 6], matrix: &mut [L; 36]) {
     let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
     let ball_rx_1 = L::splat(4.900000000000001e-5) * sin_ball_ry;
     matrix[23] = ball_rx_1;
+    matrix[33] = ball_rx_1;
     let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
     matrix[28] = mul_add(
         cos_ball_rx,
         L::splat(4.900000000000001e-5) * cos_ball_rx,
         sin_ball_rx * (L::splat(4.900000000000001e-5) * sin_ball_rx),
     );
-    let ball_ry_1 = sin_ball_rx * cos_ball_ry;
-    let ball_ry_2 = L::splat(4.900000000000001e-5) * ball_ry_1;
-    let ball_ry_3 = cos_ball_rx * cos_ball_ry;
-    let ball_ry_4 = L::splat(4.900000000000001e-5) * ball_ry_3;
-    let ball_ry_5 = neg_mul_add(cos_ball_rx, ball_ry_2, sin_ball_rx * ball_ry_4);
-    matrix[29] = ball_ry_5;
-    matrix[33] = ball_rx_1;
-    matrix[34] = ball_ry_5;
+    let ball_rz_1 = sin_ball_rx * cos_ball_ry;
+    let ball_rz_2 = L::splat(4.900000000000001e-5) * ball_rz_1;
+    let ball_rz_3 = cos_ball_rx * cos_ball_ry;
+    let ball_rz_4 = L::splat(4.900000000000001e-5) * ball_rz_3;
     matrix[35] = mul_add(
-        ball_ry_3,
-        ball_ry_4,
-        mul_add(ball_ry_1, ball_ry_2, sin_ball_ry * ball_rx_1),
+        ball_rz_3,
+        ball_rz_4,
+        mul_add(sin_ball_ry, ball_rx_1, ball_rz_1 * ball_rz_2),
     );
+    let ball_ry_1 = neg_mul_add(cos_ball_rx, ball_rz_2, sin_ball_rx * ball_rz_4);
+    matrix[29] = ball_ry_1;
+    matrix[34] = ball_ry_1;
 }
 
 /// Where the numbers of each block stand.
@@ -380,7 +382,7 @@ impl Shape<6, 36, 6, 0, 0> for Equations {
         momentum: &mut [L; 6],
         force: &mut [L; 6],
     ) {
-        self::evaluate(&at.q, &at.v, momentum, force);
+        self::evaluate(&at.q, &at.v, force, momentum);
     }
 
     #[allow(unused_variables)]
@@ -392,7 +394,7 @@ impl Shape<6, 36, 6, 0, 0> for Equations {
         force: &mut [L; 6],
         matrix: &mut [L; 36],
     ) {
-        self::evaluate_with_matrix(&at.q, &at.v, at.h, momentum, force, matrix);
+        self::evaluate_with_matrix(&at.q, &at.v, at.h, force, matrix, momentum);
     }
 
     #[allow(unused_variables)]

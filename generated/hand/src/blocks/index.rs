@@ -4,7 +4,9 @@
 
 use crate::layout::{PARAMETERS, VALUES, parameter};
 use handc_core::lane::Lane;
-use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::lane::functions::{
+    mul_add, mul_sub, neg_mul_add, sin_cos, sqrt, sqrt_recip,
+};
 use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
@@ -15,7 +17,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-/// 325 operations: 44 sums, 93 products, 83 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
+/// 326 operations: 44 sums, 98 products, 81 products with sum, 9 divisions, 9 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 4],
@@ -96,79 +98,129 @@ pub fn evaluate<L: Lane>(
     let c_55 = L::load(&constants[55 * L::WIDTH..]);
     let (sin_pip, cos_pip) = sin_cos(q_pip);
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let ab_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let mcp_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let ab_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
-    let ab_3 = mul_sub(cos_dip, ab_2, sin_dip * ab_1);
-    let ab_4 = ab_3 * c_2;
-    let ab_5 = ab_2 * c_3;
-    let ab_6 = ab_1 * c_0;
-    let ab_7 = mul_add(L::splat(2.0), ab_4 * ab_5, neg_mul_add(ab_1, ab_6, c_1));
-    let ab_8 = ab_2 * c_4;
-    let ab_9 = cos_mcp * c_5;
-    let ab_10 = sin_mcp * c_6;
-    let ab_11 = mul_add(
-        L::splat(2.0),
-        (ab_4 + ab_8) * ab_9,
-        neg_mul_add(sin_mcp, ab_10, c_7),
+    let mcp_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
+    let mcp_3 = mul_sub(cos_dip, mcp_2, sin_dip * mcp_1);
+    let mcp_4 = mcp_3 * c_54;
+    let mcp_5 = mcp_2 * c_51;
+    let mcp_6 = v_mcp + v_pip;
+    let mcp_7 = mcp_6 * mcp_5;
+    let mcp_8 = cos_mcp * c_49;
+    let mcp_9 = v_mcp * mcp_8;
+    let mcp_10 = mcp_9 + mcp_7;
+    let mcp_11 = mul_add(cos_dip, mcp_1, sin_dip * mcp_2);
+    let mcp_12 = mcp_11 * c_54;
+    let mcp_13 = mcp_1 * c_51;
+    let mcp_14 = mcp_6 * mcp_13;
+    let mcp_15 = sin_mcp * c_49;
+    let mcp_16 = v_mcp * mcp_15;
+    let mcp_17 = mcp_16 + mcp_14;
+    let mcp_18 = v_dip + mcp_6;
+    let mcp_19 = mul_add(mcp_18, c_5, mul_add(mcp_17, mcp_12, mcp_10 * mcp_4));
+    momentum[3] = mcp_19;
+    let mcp_20 = mcp_18 * mcp_12;
+    let mcp_21 = mcp_18 * mcp_4;
+    let mcp_22 = v_ab * mcp_8;
+    let mcp_23 = neg_mul_add(
+        mul_add(v_ab, mcp_5, mcp_22),
+        v_ab * mcp_12,
+        neg_mul_add(mcp_10, mcp_20, mcp_17 * mcp_21),
     );
-    let ab_12 = mul_add(cos_dip, ab_1, sin_dip * ab_2);
-    let ab_13 = ab_12 * c_9;
-    let ab_14 = ab_7 + (ab_11 + c_8) + neg_mul_add(ab_12, ab_13, c_10);
-    momentum[0] = v_ab * ab_14;
-    let mcp_1 = v_mcp + v_pip;
-    let mcp_2 = v_dip + mcp_1;
-    let mcp_3 = mcp_2 * ab_4;
-    let mcp_4 = ab_12 * c_2;
-    let mcp_5 = mcp_2 * mcp_4;
-    let mcp_6 = ab_1 * c_3;
-    let mcp_7 = v_mcp * ab_9;
-    let mcp_8 = ab_1 * c_4;
-    let mcp_9 = sin_mcp * c_5;
-    let mcp_10 = v_mcp * mcp_9;
-    let mcp_11 = mul_add(mcp_8, mcp_10, ab_8 * mcp_7)
-        + mul_add(mcp_5, mcp_6, ab_5 * mcp_3);
-    let mcp_12 = mcp_1 * ab_5;
-    let mcp_13 = mcp_12 + mcp_7;
-    let mcp_14 = mcp_1 * mcp_6;
-    let mcp_15 = mcp_10 + mcp_14;
-    let mcp_16 = mul_add(mcp_2, c_12, mul_add(mcp_4, mcp_15, ab_4 * mcp_13));
-    let mcp_17 = mcp_16 + mul_add(mcp_1, c_13, mcp_11);
-    let mcp_18 = mcp_1 * ab_8;
-    let mcp_19 = mcp_3 + mcp_18;
-    let mcp_20 = mcp_1 * mcp_8;
-    let mcp_21 = mcp_5 + mcp_20;
-    let mcp_22 = mul_add(v_mcp, c_11, mul_add(mcp_9, mcp_21, ab_9 * mcp_19));
-    momentum[1] = mcp_22 + mcp_17;
-    momentum[2] = mcp_17;
-    momentum[3] = mcp_16;
+    let mcp_24 = mcp_11 * c_53;
+    let mcp_25 = v_ab * v_ab;
+    let mcp_26 = neg_mul_add(mcp_25, mcp_3 * mcp_24, mcp_23);
+    let mcp_27 = mul_add(mcp_13, mcp_20, mcp_5 * mcp_21);
+    let mcp_28 = mcp_2 * c_52;
+    let mcp_29 = mcp_1 * c_52;
+    let mcp_30 = mcp_27 + mul_add(mcp_16, mcp_29, mcp_9 * mcp_28);
+    let mcp_31 = mcp_19 + mul_add(mcp_6, c_7, mcp_30);
+    momentum[2] = mcp_31;
+    let mcp_32 = v_ab * mcp_4;
+    let mcp_33 = neg_mul_add(
+        v_ab * mcp_13,
+        mcp_32,
+        neg_mul_add(mcp_14, mcp_21, mcp_7 * mcp_20),
+    );
+    let mcp_34 = mcp_6 * mcp_29;
+    let mcp_35 = mcp_6 * mcp_28;
+    let mcp_36 = neg_mul_add(
+        mcp_22,
+        v_ab * mcp_29,
+        neg_mul_add(mcp_9, mcp_34, mcp_16 * mcp_35),
+    );
+    let mcp_37 = mcp_1 * c_50;
+    let mcp_38 = mcp_26 + neg_mul_add(mcp_25, mcp_2 * mcp_37, mcp_33 + mcp_36);
+    let mcp_39 = mcp_35 + mcp_21;
+    let mcp_40 = mcp_34 + mcp_20;
+    let mcp_41 = mul_add(v_mcp, c_9, mul_add(mcp_15, mcp_40, mcp_8 * mcp_39));
+    momentum[1] = mcp_31 + mcp_41;
+    let mcp_42 = neg_mul_add(
+        v_ab * mcp_15,
+        mul_add(v_ab, mcp_28, mcp_32),
+        neg_mul_add(mcp_16, mcp_39, mcp_9 * mcp_40),
+    );
+    let mcp_43 = sin_mcp * c_48;
+    let mcp_44 = mcp_38 + neg_mul_add(mcp_25, cos_mcp * mcp_43, mcp_42);
+    let ab_1 = mul_add(L::splat(2.0), mcp_5 * mcp_4, neg_mul_add(mcp_1, mcp_37, c_8));
+    let ab_2 = mul_add(
+        L::splat(2.0),
+        mcp_8 * (mcp_28 + mcp_4),
+        neg_mul_add(sin_mcp, mcp_43, c_10),
+    );
+    let ab_3 = neg_mul_add(mcp_11, mcp_24, c_6) + (c_55 + ab_2 + ab_1);
+    momentum[0] = v_ab * ab_3;
     let (sin_ab, cos_ab) = sin_cos(q_ab);
-    let fdp_1 = mul_add(sin_ab, c_43, cos_ab * c_42);
     let index_fdp_1 = mul_sub(L::splat(0.012), cos_mcp, L::splat(0.01) * sin_mcp);
-    let fdp_2 = index_fdp_1 - fdp_1;
-    let fdp_3 = neg_mul_add(sin_ab, c_42, cos_ab * c_43);
+    let fdp_1 = index_fdp_1 - mul_add(cos_ab, c_20, sin_ab * c_21);
+    let fdp_2 = mul_sub(cos_ab, c_21, sin_ab * c_20);
     let index_fdp_2 = mul_add(L::splat(0.01), cos_mcp, L::splat(0.012) * sin_mcp);
     let index_fdp_3 = L::splat(0.011) - index_fdp_2;
-    let fdp_4 = mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_3, fdp_3, fdp_2 * fdp_2));
-    let fdp_5 = sqrt(fdp_4);
-    let fdp_6 = L::splat(1.0) / fdp_5;
-    let fdp_7 = sqrt(c_41 - mul_add(sin_pip, c_39, cos_pip * c_40));
-    let fdp_8 = sqrt(c_38 - mul_add(cos_dip, c_36, sin_dip * c_37));
-    let fdp_9 = (fdp_8 + (fdp_7 + (fdp_5 + c_44)) - rest_fdp) * c_45;
-    let fdp_10 = fdp_9 * (fdp_6 * mul_add(fdp_3, fdp_1, fdp_3 * fdp_2));
-    let edc_1 = mul_add(sin_ab, c_32, cos_ab * c_33);
+    let fdp_3 = mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_1, fdp_1, fdp_2 * fdp_2));
+    let (fdp_4, fdp_5) = sqrt_recip(fdp_3);
+    let (fdp_6, fdp_7) = sqrt_recip(c_11 - mul_add(cos_pip, c_22, sin_pip * c_23));
+    let (fdp_8, fdp_9) = sqrt_recip(c_13 - mul_add(cos_dip, c_26, sin_dip * c_27));
+    let fdp_10 = c_0 * (c_12 + fdp_4 + fdp_6 + fdp_8 - rest_fdp);
+    let mcp_45 = mul_add(
+        fdp_5 * mul_add(index_fdp_1, index_fdp_3, index_fdp_2 * fdp_1),
+        fdp_10,
+        mcp_44,
+    );
+    let pip_1 = neg_mul_add(
+        fdp_7 * mul_sub(sin_pip, c_24, cos_pip * c_25),
+        fdp_10,
+        mcp_38,
+    );
+    let dip_1 = neg_mul_add(
+        fdp_9 * mul_sub(sin_dip, c_28, cos_dip * c_29),
+        fdp_10,
+        mcp_26,
+    );
     let index_edc_1 = mul_add(L::splat(0.003), cos_mcp, L::splat(0.0105) * sin_mcp);
-    let edc_2 = index_edc_1 - edc_1;
-    let edc_3 = neg_mul_add(sin_ab, c_33, cos_ab * c_32);
+    let edc_1 = index_edc_1 - mul_add(cos_ab, c_30, sin_ab * c_31);
+    let edc_2 = mul_sub(cos_ab, c_31, sin_ab * c_30);
     let index_edc_2 = mul_sub(L::splat(0.0105), cos_mcp, L::splat(0.003) * sin_mcp);
     let index_edc_3 = L::splat(-0.011) + index_edc_2;
-    let edc_4 = mul_add(index_edc_3, index_edc_3, mul_add(edc_2, edc_2, edc_3 * edc_3));
-    let edc_5 = sqrt(edc_4);
-    let edc_6 = L::splat(1.0) / edc_5;
-    let edc_7 = sqrt(c_31 - mul_add(sin_pip, c_29, cos_pip * c_30));
-    let edc_8 = (edc_7 + (edc_5 + c_34) - rest_edc) * c_35;
-    let ab_15 = mul_add(edc_8, mul_add(edc_1, edc_3, edc_2 * edc_3) * edc_6, fdp_10);
-    let interosseous_1 = mul_add(sin_ab, c_25, cos_ab * c_26);
+    let edc_3 = mul_add(index_edc_3, index_edc_3, mul_add(edc_1, edc_1, edc_2 * edc_2));
+    let (edc_4, edc_5) = sqrt_recip(edc_3);
+    let (edc_6, edc_7) = sqrt_recip(c_15 - mul_add(cos_pip, c_32, sin_pip * c_33));
+    let edc_8 = c_1 * (c_14 + edc_4 + edc_6 - rest_edc);
+    let ab_4 = mul_add(
+        fdp_5 * (index_fdp_1 * fdp_2),
+        fdp_10,
+        edc_5 * (index_edc_1 * edc_2) * edc_8,
+    );
+    let mcp_46 = neg_mul_add(
+        edc_5 * neg_mul_add(index_edc_1, index_edc_3, index_edc_2 * edc_1),
+        edc_8,
+        mcp_45,
+    );
+    let pip_2 = neg_mul_add(
+        edc_7 * mul_sub(sin_pip, c_34, cos_pip * c_35),
+        edc_8,
+        pip_1,
+    );
+    let interosseous_1 = mul_add(cos_ab, c_36, sin_ab * c_37);
     let index_interosseous_1 = L::splat(0.008) * cos_mcp;
     let index_interosseous_2 = neg_mul_add(
         L::splat(0.001),
@@ -176,8 +228,8 @@ pub fn evaluate<L: Lane>(
         index_interosseous_1,
     );
     let interosseous_2 = index_interosseous_2 - interosseous_1;
-    let interosseous_3 = neg_mul_add(sin_ab, c_26, cos_ab * c_25);
-    let interosseous_4 = c_27 - interosseous_3;
+    let interosseous_3 = mul_sub(cos_ab, c_37, sin_ab * c_36);
+    let interosseous_4 = c_3 - interosseous_3;
     let index_interosseous_3 = L::splat(0.008) * sin_mcp;
     let index_interosseous_4 = mul_add(L::splat(0.001), cos_mcp, index_interosseous_3);
     let index_interosseous_5 = L::splat(0.001) - index_interosseous_4;
@@ -186,20 +238,29 @@ pub fn evaluate<L: Lane>(
         index_interosseous_5,
         mul_add(interosseous_2, interosseous_2, interosseous_4 * interosseous_4),
     );
-    let interosseous_6 = sqrt(interosseous_5);
-    let interosseous_7 = L::splat(1.0) / interosseous_6;
-    let interosseous_8 = c_24 * (interosseous_6 + c_28 - rest_interosseous);
-    let ab_16 = neg_mul_add(
+    let (interosseous_6, interosseous_7) = sqrt_recip(interosseous_5);
+    let interosseous_8 = c_2 * (c_16 + interosseous_6 - rest_interosseous);
+    let ab_5 = neg_mul_add(
+        interosseous_7
+            * mul_sub(interosseous_1, interosseous_4, interosseous_3 * interosseous_2),
         interosseous_8,
-        neg_mul_add(interosseous_2, interosseous_3, interosseous_1 * interosseous_4)
-            * interosseous_7,
-        ab_15,
+        ab_4,
     );
-    let band_1 = mul_add(sin_ab, c_14, cos_ab * c_15);
+    let mcp_47 = mul_add(
+        interosseous_7
+            * mul_add(
+                index_interosseous_2,
+                index_interosseous_5,
+                index_interosseous_4 * interosseous_2,
+            ),
+        interosseous_8,
+        mcp_46,
+    );
+    let band_1 = mul_add(cos_ab, c_38, sin_ab * c_39);
     let index_band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1);
     let band_2 = index_band_1 - band_1;
-    let band_3 = neg_mul_add(sin_ab, c_15, cos_ab * c_14);
-    let band_4 = c_16 - band_3;
+    let band_3 = mul_sub(cos_ab, c_39, sin_ab * c_38);
+    let band_4 = c_4 - band_3;
     let index_band_2 = mul_add(L::splat(0.005), cos_mcp, index_interosseous_3);
     let index_band_3 = L::splat(0.005) - index_band_2;
     let band_5 = mul_add(
@@ -207,77 +268,30 @@ pub fn evaluate<L: Lane>(
         index_band_3,
         mul_add(band_2, band_2, band_4 * band_4),
     );
-    let band_6 = sqrt(band_5);
-    let band_7 = L::splat(1.0) / band_6;
-    let band_8 = sqrt(c_23 - mul_add(sin_pip, c_21, cos_pip * c_22));
-    let band_9 = sqrt(c_19 - mul_add(cos_dip, c_17, sin_dip * c_18));
-    let band_10 = (band_9 + (band_6 + c_20 + band_8) - rest_band) * c_24;
+    let (band_6, band_7) = sqrt_recip(band_5);
+    let (band_8, band_9) = sqrt_recip(c_17 - mul_add(cos_pip, c_40, sin_pip * c_41));
+    let (band_10, band_11) = sqrt_recip(c_19 - mul_add(cos_dip, c_44, sin_dip * c_45));
+    let band_12 = c_2 * (c_18 + band_6 + band_8 + band_10 - rest_band);
     force[0] = neg_mul_add(
-        neg_mul_add(band_2, band_3, band_1 * band_4) * band_7,
-        band_10,
-        ab_16,
-    );
-    let mcp_23 = v_ab * ab_4;
-    let mcp_24 = neg_mul_add(
-        mcp_23,
-        v_ab * mcp_6,
-        neg_mul_add(mcp_3, mcp_14, mcp_5 * mcp_12),
-    );
-    let mcp_25 = v_ab * ab_9;
-    let mcp_26 = neg_mul_add(
-        mcp_25,
-        v_ab * mcp_8,
-        neg_mul_add(mcp_20, mcp_7, mcp_18 * mcp_10),
-    );
-    let mcp_27 = v_ab * v_ab;
-    let mcp_28 = neg_mul_add(
-        v_ab * mcp_4,
-        mul_add(v_ab, ab_5, mcp_25),
-        neg_mul_add(mcp_5, mcp_13, mcp_3 * mcp_15),
-    );
-    let mcp_29 = neg_mul_add(mcp_27, ab_3 * ab_13, mcp_28);
-    let mcp_30 = mcp_29 + neg_mul_add(mcp_27, ab_2 * ab_6, mcp_24 + mcp_26);
-    let mcp_31 = neg_mul_add(
-        v_ab * mcp_9,
-        mul_add(v_ab, ab_8, mcp_23),
-        neg_mul_add(mcp_19, mcp_10, mcp_21 * mcp_7),
-    );
-    let mcp_32 = mul_add(
-        fdp_9,
-        fdp_6 * mul_add(index_fdp_1, index_fdp_3, index_fdp_2 * fdp_2),
-        neg_mul_add(mcp_27, cos_mcp * ab_10, mcp_31) + mcp_30,
-    );
-    let mcp_33 = neg_mul_add(
-        edc_8,
-        edc_6 * neg_mul_add(index_edc_1, index_edc_3, index_edc_2 * edc_2),
-        mcp_32,
-    );
-    let mcp_34 = mul_add(
-        interosseous_8,
-        interosseous_7
-            * mul_add(
-                index_interosseous_2,
-                index_interosseous_5,
-                index_interosseous_4 * interosseous_2,
-            ),
-        mcp_33,
+        band_7 * mul_sub(band_1, band_4, band_3 * band_2),
+        band_12,
+        ab_5,
     );
     force[1] = mul_add(
-        band_10,
         band_7 * mul_add(index_band_1, index_band_3, index_band_2 * band_2),
-        mcp_34,
+        band_12,
+        mcp_47,
     );
-    let fdp_11 = neg_mul_add(cos_pip, c_50, sin_pip * c_51) / fdp_7;
-    let edc_9 = neg_mul_add(cos_pip, c_48, sin_pip * c_49) / edc_7;
-    let band_11 = neg_mul_add(cos_pip, c_46, sin_pip * c_47) / band_8;
     force[2] = neg_mul_add(
-        band_10,
-        band_11,
-        neg_mul_add(edc_8, edc_9, neg_mul_add(fdp_9, fdp_11, mcp_30)),
+        band_9 * mul_sub(sin_pip, c_42, cos_pip * c_43),
+        band_12,
+        pip_2,
     );
-    let fdp_12 = neg_mul_add(cos_dip, c_54, sin_dip * c_55) / fdp_8;
-    let band_12 = neg_mul_add(cos_dip, c_52, sin_dip * c_53) / band_9;
-    force[3] = neg_mul_add(band_10, band_12, neg_mul_add(fdp_9, fdp_12, mcp_29));
+    force[3] = neg_mul_add(
+        band_11 * mul_sub(sin_dip, c_46, cos_dip * c_47),
+        band_12,
+        dip_1,
+    );
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -288,7 +302,7 @@ pub fn evaluate<L: Lane>(
 ///
 /// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
 ///
-/// 619 operations: 96 sums, 194 products, 153 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
+/// 615 operations: 96 sums, 194 products, 151 products with sum, 10 divisions, 9 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
     q: &[L; 4],
@@ -369,85 +383,87 @@ pub fn evaluate_with_matrix<L: Lane>(
     let c_53 = L::load(&constants[53 * L::WIDTH..]);
     let c_54 = L::load(&constants[54 * L::WIDTH..]);
     let c_55 = L::load(&constants[55 * L::WIDTH..]);
-    let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let ab_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
-    let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let ab_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
-    let ab_3 = mul_sub(cos_dip, ab_2, sin_dip * ab_1);
-    let ab_4 = ab_3 * c_2;
-    let ab_5 = ab_2 * c_3;
-    let ab_6 = ab_4 * ab_5;
-    let ab_7 = ab_1 * c_0;
-    let ab_8 = neg_mul_add(ab_1, ab_7, c_1);
-    let ab_9 = ab_2 * c_4;
-    let ab_10 = ab_4 + ab_9;
-    let ab_11 = cos_mcp * c_5;
-    let ab_12 = sin_mcp * c_6;
-    let ab_13 = neg_mul_add(sin_mcp, ab_12, c_7);
-    let ab_14 = mul_add(L::splat(2.0), ab_6, ab_8)
-        + (mul_add(L::splat(2.0), ab_10 * ab_11, ab_13) + c_8);
-    let ab_15 = mul_add(cos_dip, ab_1, sin_dip * ab_2);
-    let ab_16 = ab_15 * c_9;
-    let ab_17 = neg_mul_add(ab_15, ab_16, c_10);
-    let ab_18 = ab_14 + ab_17;
-    momentum[0] = v_ab * ab_18;
-    let mcp_1 = v_mcp + v_pip;
-    let mcp_2 = v_dip + mcp_1;
-    let mcp_3 = mcp_2 * ab_4;
-    let mcp_4 = ab_15 * c_2;
-    let mcp_5 = mcp_2 * mcp_4;
-    let mcp_6 = ab_1 * c_3;
-    let mcp_7 = v_mcp * ab_11;
-    let mcp_8 = ab_1 * c_4;
-    let mcp_9 = sin_mcp * c_5;
-    let mcp_10 = v_mcp * mcp_9;
-    let mcp_11 = mul_add(mcp_8, mcp_10, ab_9 * mcp_7)
-        + mul_add(mcp_5, mcp_6, ab_5 * mcp_3);
-    let mcp_12 = mcp_1 * ab_5;
-    let mcp_13 = mcp_12 + mcp_7;
-    let mcp_14 = mcp_1 * mcp_6;
-    let mcp_15 = mcp_10 + mcp_14;
-    let mcp_16 = mul_add(mcp_2, c_12, mul_add(mcp_4, mcp_15, ab_4 * mcp_13));
-    let mcp_17 = mcp_16 + mul_add(mcp_1, c_13, mcp_11);
-    let mcp_18 = mcp_1 * ab_9;
-    let mcp_19 = mcp_3 + mcp_18;
-    let mcp_20 = mcp_1 * mcp_8;
-    let mcp_21 = mcp_5 + mcp_20;
-    let mcp_22 = mul_add(v_mcp, c_11, mul_add(mcp_9, mcp_21, ab_11 * mcp_19));
-    momentum[1] = mcp_22 + mcp_17;
-    momentum[2] = mcp_17;
-    momentum[3] = mcp_16;
     let (sin_ab, cos_ab) = sin_cos(q_ab);
-    let fdp_1 = mul_add(sin_ab, c_43, cos_ab * c_42);
+    let fdp_1 = mul_add(cos_ab, c_20, sin_ab * c_21);
+    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
     let index_fdp_1 = mul_sub(L::splat(0.012), cos_mcp, L::splat(0.01) * sin_mcp);
     let fdp_2 = index_fdp_1 - fdp_1;
-    let fdp_3 = neg_mul_add(sin_ab, c_42, cos_ab * c_43);
+    let fdp_3 = mul_sub(cos_ab, c_21, sin_ab * c_20);
     let index_fdp_2 = mul_add(L::splat(0.01), cos_mcp, L::splat(0.012) * sin_mcp);
     let index_fdp_3 = L::splat(0.011) - index_fdp_2;
-    let fdp_4 = mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_3, fdp_3, fdp_2 * fdp_2));
-    let fdp_5 = sqrt(fdp_4);
-    let fdp_6 = L::splat(1.0) / fdp_5;
-    let fdp_7 = fdp_6 * mul_add(fdp_3, fdp_1, fdp_3 * fdp_2);
-    let fdp_8 = mul_add(sin_pip, c_39, cos_pip * c_40);
-    let fdp_9 = sqrt(c_41 - fdp_8);
-    let fdp_10 = mul_add(cos_dip, c_36, sin_dip * c_37);
-    let fdp_11 = sqrt(c_38 - fdp_10);
-    let fdp_12 = (fdp_11 + (fdp_9 + (fdp_5 + c_44)) - rest_fdp) * c_45;
-    let edc_1 = mul_add(sin_ab, c_32, cos_ab * c_33);
+    let fdp_4 = mul_add(index_fdp_3, index_fdp_3, mul_add(fdp_2, fdp_2, fdp_3 * fdp_3));
+    let (fdp_5, fdp_6) = sqrt_recip(fdp_4);
+    let (sin_pip, cos_pip) = sin_cos(q_pip);
+    let fdp_7 = mul_add(cos_pip, c_22, sin_pip * c_23);
+    let (fdp_8, fdp_9) = sqrt_recip(c_11 - fdp_7);
+    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let fdp_10 = mul_add(cos_dip, c_26, sin_dip * c_27);
+    let (fdp_11, fdp_12) = sqrt_recip(c_13 - fdp_10);
+    let fdp_13 = c_0 * (c_12 + fdp_5 + fdp_8 + fdp_11 - rest_fdp);
+    let index_fdp_4 = L::splat(0.25) * h;
+    let fdp_14 = index_fdp_4 * fdp_13;
+    let fdp_15 = fdp_6 * fdp_14;
+    let index_fdp_5 = index_fdp_4 * c_0;
+    let fdp_16 = index_fdp_5 - fdp_15;
+    let fdp_17 = fdp_6 * (index_fdp_1 * fdp_3);
+    let fdp_18 = index_fdp_1 * fdp_1;
+    let fdp_19 = mul_add(fdp_17, fdp_17 * fdp_16, fdp_18 * fdp_15);
+    let fdp_20 = fdp_6 * mul_add(index_fdp_1, index_fdp_3, index_fdp_2 * fdp_2);
+    let fdp_21 = fdp_20 * fdp_16;
+    let fdp_22 = mul_add(fdp_17, fdp_21, index_fdp_2 * fdp_3 * fdp_15);
+    let fdp_23 = mul_add(
+        fdp_20,
+        fdp_21,
+        mul_add(L::splat(0.011), index_fdp_2, fdp_18) * fdp_15,
+    );
+    let fdp_24 = fdp_9 * fdp_14;
+    let fdp_25 = fdp_9 * mul_sub(sin_pip, c_24, cos_pip * c_25);
+    let fdp_26 = mul_add(
+        fdp_25,
+        fdp_25 * (index_fdp_5 - fdp_24),
+        L::splat(0.5) * fdp_7 * fdp_24,
+    );
+    let fdp_27 = fdp_12 * fdp_14;
+    let fdp_28 = fdp_12 * mul_sub(sin_dip, c_28, cos_dip * c_29);
+    let fdp_29 = mul_add(
+        fdp_28,
+        fdp_28 * (index_fdp_5 - fdp_27),
+        L::splat(0.5) * fdp_10 * fdp_27,
+    );
+    let edc_1 = mul_add(cos_ab, c_30, sin_ab * c_31);
     let index_edc_1 = mul_add(L::splat(0.003), cos_mcp, L::splat(0.0105) * sin_mcp);
     let edc_2 = index_edc_1 - edc_1;
-    let edc_3 = neg_mul_add(sin_ab, c_33, cos_ab * c_32);
+    let edc_3 = mul_sub(cos_ab, c_31, sin_ab * c_30);
     let index_edc_2 = mul_sub(L::splat(0.0105), cos_mcp, L::splat(0.003) * sin_mcp);
     let index_edc_3 = L::splat(-0.011) + index_edc_2;
     let edc_4 = mul_add(index_edc_3, index_edc_3, mul_add(edc_2, edc_2, edc_3 * edc_3));
-    let edc_5 = sqrt(edc_4);
-    let edc_6 = L::splat(1.0) / edc_5;
-    let edc_7 = mul_add(edc_1, edc_3, edc_2 * edc_3) * edc_6;
-    let edc_8 = mul_add(sin_pip, c_29, cos_pip * c_30);
-    let edc_9 = sqrt(c_31 - edc_8);
-    let edc_10 = (edc_9 + (edc_5 + c_34) - rest_edc) * c_35;
-    let interosseous_1 = mul_add(sin_ab, c_25, cos_ab * c_26);
+    let (edc_5, edc_6) = sqrt_recip(edc_4);
+    let edc_7 = mul_add(cos_pip, c_32, sin_pip * c_33);
+    let (edc_8, edc_9) = sqrt_recip(c_15 - edc_7);
+    let edc_10 = c_1 * (c_14 + edc_5 + edc_8 - rest_edc);
+    let edc_11 = index_fdp_4 * edc_10;
+    let edc_12 = edc_6 * edc_11;
+    let index_edc_4 = index_fdp_4 * c_1;
+    let edc_13 = index_edc_4 - edc_12;
+    let edc_14 = edc_6 * (index_edc_1 * edc_3);
+    let edc_15 = index_edc_1 * edc_1;
+    let edc_16 = mul_add(edc_14, edc_14 * edc_13, edc_15 * edc_12);
+    let edc_17 = edc_6 * neg_mul_add(index_edc_1, index_edc_3, index_edc_2 * edc_2);
+    let edc_18 = edc_17 * edc_13;
+    let edc_19 = mul_add(edc_14, edc_18, index_edc_2 * edc_3 * edc_12);
+    let edc_20 = mul_add(
+        edc_17,
+        edc_18,
+        mul_add(L::splat(0.011), index_edc_2, edc_15) * edc_12,
+    );
+    let edc_21 = edc_9 * edc_11;
+    let edc_22 = edc_9 * mul_sub(sin_pip, c_34, cos_pip * c_35);
+    let edc_23 = mul_add(
+        edc_22,
+        edc_22 * (index_edc_4 - edc_21),
+        L::splat(0.5) * edc_7 * edc_21,
+    );
+    let interosseous_1 = mul_add(cos_ab, c_36, sin_ab * c_37);
     let index_interosseous_1 = L::splat(0.008) * cos_mcp;
     let index_interosseous_2 = neg_mul_add(
         L::splat(0.001),
@@ -455,8 +471,8 @@ pub fn evaluate_with_matrix<L: Lane>(
         index_interosseous_1,
     );
     let interosseous_2 = index_interosseous_2 - interosseous_1;
-    let interosseous_3 = neg_mul_add(sin_ab, c_26, cos_ab * c_25);
-    let interosseous_4 = c_27 - interosseous_3;
+    let interosseous_3 = mul_sub(cos_ab, c_37, sin_ab * c_36);
+    let interosseous_4 = c_3 - interosseous_3;
     let index_interosseous_3 = L::splat(0.008) * sin_mcp;
     let index_interosseous_4 = mul_add(L::splat(0.001), cos_mcp, index_interosseous_3);
     let index_interosseous_5 = L::splat(0.001) - index_interosseous_4;
@@ -465,24 +481,41 @@ pub fn evaluate_with_matrix<L: Lane>(
         index_interosseous_5,
         mul_add(interosseous_2, interosseous_2, interosseous_4 * interosseous_4),
     );
-    let interosseous_6 = sqrt(interosseous_5);
-    let interosseous_7 = L::splat(1.0) / interosseous_6;
-    let interosseous_8 = neg_mul_add(
-        interosseous_2,
-        interosseous_3,
-        interosseous_1 * interosseous_4,
-    ) * interosseous_7;
-    let interosseous_9 = c_24 * (interosseous_6 + c_28 - rest_interosseous);
-    let ab_19 = neg_mul_add(
-        interosseous_9,
-        interosseous_8,
-        mul_add(edc_10, edc_7, fdp_12 * fdp_7),
+    let (interosseous_6, interosseous_7) = sqrt_recip(interosseous_5);
+    let interosseous_8 = c_2 * (c_16 + interosseous_6 - rest_interosseous);
+    let interosseous_9 = interosseous_7 * (index_fdp_4 * interosseous_8);
+    let index_interosseous_6 = index_fdp_4 * c_2;
+    let interosseous_10 = index_interosseous_6 - interosseous_9;
+    let interosseous_11 = interosseous_7
+        * mul_sub(interosseous_1, interosseous_4, interosseous_3 * interosseous_2);
+    let interosseous_12 = index_interosseous_2 * interosseous_1;
+    let interosseous_13 = mul_add(
+        interosseous_11,
+        interosseous_11 * interosseous_10,
+        mul_add(c_3, interosseous_3, interosseous_12) * interosseous_9,
     );
-    let band_1 = mul_add(sin_ab, c_14, cos_ab * c_15);
+    let interosseous_14 = interosseous_7
+        * mul_add(
+            index_interosseous_2,
+            index_interosseous_5,
+            index_interosseous_4 * interosseous_2,
+        );
+    let interosseous_15 = interosseous_14 * interosseous_10;
+    let interosseous_16 = neg_mul_add(
+        interosseous_11,
+        interosseous_15,
+        index_interosseous_4 * interosseous_3 * interosseous_9,
+    );
+    let interosseous_17 = mul_add(
+        interosseous_14,
+        interosseous_15,
+        mul_add(L::splat(0.001), index_interosseous_4, interosseous_12) * interosseous_9,
+    );
+    let band_1 = mul_add(cos_ab, c_38, sin_ab * c_39);
     let index_band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1);
     let band_2 = index_band_1 - band_1;
-    let band_3 = neg_mul_add(sin_ab, c_15, cos_ab * c_14);
-    let band_4 = c_16 - band_3;
+    let band_3 = mul_sub(cos_ab, c_39, sin_ab * c_38);
+    let band_4 = c_4 - band_3;
     let index_band_2 = mul_add(L::splat(0.005), cos_mcp, index_interosseous_3);
     let index_band_3 = L::splat(0.005) - index_band_2;
     let band_5 = mul_add(
@@ -490,250 +523,238 @@ pub fn evaluate_with_matrix<L: Lane>(
         index_band_3,
         mul_add(band_2, band_2, band_4 * band_4),
     );
-    let band_6 = sqrt(band_5);
-    let band_7 = L::splat(1.0) / band_6;
-    let band_8 = neg_mul_add(band_2, band_3, band_1 * band_4) * band_7;
-    let band_9 = mul_add(sin_pip, c_21, cos_pip * c_22);
-    let band_10 = sqrt(c_23 - band_9);
-    let band_11 = mul_add(cos_dip, c_17, sin_dip * c_18);
-    let band_12 = sqrt(c_19 - band_11);
-    let band_13 = (band_12 + (band_6 + c_20 + band_10) - rest_band) * c_24;
-    force[0] = neg_mul_add(band_8, band_13, ab_19);
-    let mcp_23 = v_ab * ab_4;
-    let mcp_24 = v_ab * mcp_6;
-    let mcp_25 = neg_mul_add(mcp_23, mcp_24, neg_mul_add(mcp_3, mcp_14, mcp_5 * mcp_12));
-    let mcp_26 = v_ab * mcp_8;
-    let mcp_27 = v_ab * ab_11;
-    let mcp_28 = neg_mul_add(
-        mcp_27,
-        mcp_26,
-        neg_mul_add(mcp_20, mcp_7, mcp_18 * mcp_10),
+    let (band_6, band_7) = sqrt_recip(band_5);
+    let band_8 = mul_add(cos_pip, c_40, sin_pip * c_41);
+    let (band_9, band_10) = sqrt_recip(c_17 - band_8);
+    let band_11 = mul_add(cos_dip, c_44, sin_dip * c_45);
+    let (band_12, band_13) = sqrt_recip(c_19 - band_11);
+    let band_14 = c_2 * (c_18 + band_6 + band_9 + band_12 - rest_band);
+    let band_15 = index_fdp_4 * band_14;
+    let band_16 = band_7 * band_15;
+    let band_17 = index_interosseous_6 - band_16;
+    let band_18 = band_7 * mul_sub(band_1, band_4, band_3 * band_2);
+    let band_19 = index_band_1 * band_1;
+    let band_20 = mul_add(
+        band_18,
+        band_18 * band_17,
+        mul_add(c_4, band_3, band_19) * band_16,
     );
-    let mcp_29 = ab_2 * ab_7;
-    let mcp_30 = v_ab * v_ab;
-    let mcp_31 = v_ab * mcp_4;
-    let mcp_32 = v_ab * ab_5;
-    let mcp_33 = mcp_32 + mcp_27;
-    let mcp_34 = neg_mul_add(mcp_31, mcp_33, neg_mul_add(mcp_5, mcp_13, mcp_3 * mcp_15));
-    let mcp_35 = ab_3 * ab_16;
-    let mcp_36 = neg_mul_add(mcp_30, mcp_35, mcp_34);
-    let mcp_37 = mcp_36 + neg_mul_add(mcp_30, mcp_29, mcp_25 + mcp_28);
-    let mcp_38 = v_ab * ab_9;
-    let mcp_39 = mcp_23 + mcp_38;
-    let mcp_40 = v_ab * mcp_9;
-    let mcp_41 = neg_mul_add(
-        mcp_40,
-        mcp_39,
-        neg_mul_add(mcp_19, mcp_10, mcp_21 * mcp_7),
+    let band_21 = band_7 * mul_add(index_band_1, index_band_3, index_band_2 * band_2);
+    let band_22 = band_21 * band_17;
+    let band_23 = neg_mul_add(band_18, band_22, index_band_2 * band_3 * band_16);
+    let band_24 = mul_add(
+        band_21,
+        band_22,
+        mul_add(L::splat(0.005), index_band_2, band_19) * band_16,
     );
-    let mcp_42 = cos_mcp * ab_12;
-    let fdp_13 = fdp_6 * mul_add(index_fdp_1, index_fdp_3, index_fdp_2 * fdp_2);
-    let mcp_43 = mul_add(fdp_12, fdp_13, neg_mul_add(mcp_30, mcp_42, mcp_41) + mcp_37);
-    let edc_11 = edc_6 * neg_mul_add(index_edc_1, index_edc_3, index_edc_2 * edc_2);
-    let interosseous_10 = interosseous_7
-        * mul_add(
-            index_interosseous_2,
-            index_interosseous_5,
-            index_interosseous_4 * interosseous_2,
-        );
-    let band_14 = band_7 * mul_add(index_band_1, index_band_3, index_band_2 * band_2);
-    force[1] = mul_add(
-        band_13,
-        band_14,
-        mul_add(interosseous_9, interosseous_10, neg_mul_add(edc_10, edc_11, mcp_43)),
-    );
-    let fdp_14 = L::splat(1.0) / fdp_9;
-    let fdp_15 = fdp_14 * neg_mul_add(cos_pip, c_50, sin_pip * c_51);
-    let edc_12 = L::splat(1.0) / edc_9;
-    let edc_13 = edc_12 * neg_mul_add(cos_pip, c_48, sin_pip * c_49);
-    let band_15 = L::splat(1.0) / band_10;
-    let band_16 = band_15 * neg_mul_add(cos_pip, c_46, sin_pip * c_47);
-    force[2] = neg_mul_add(
-        band_13,
-        band_16,
-        neg_mul_add(edc_10, edc_13, neg_mul_add(fdp_12, fdp_15, mcp_37)),
-    );
-    let fdp_16 = L::splat(1.0) / fdp_11;
-    let fdp_17 = fdp_16 * neg_mul_add(cos_dip, c_54, sin_dip * c_55);
-    let band_17 = L::splat(1.0) / band_12;
-    let band_18 = band_17 * neg_mul_add(cos_dip, c_52, sin_dip * c_53);
-    force[3] = neg_mul_add(band_13, band_18, neg_mul_add(fdp_12, fdp_17, mcp_36));
-    let index_fdp_4 = L::splat(0.25) * h;
-    let fdp_18 = index_fdp_4 * fdp_12;
-    let fdp_19 = fdp_6 * fdp_18;
-    let index_fdp_5 = index_fdp_4 * c_45;
-    let fdp_20 = index_fdp_5 - fdp_19;
-    let fdp_21 = index_fdp_1 * fdp_1;
-    let ab_20 = L::splat(1.0) / h;
-    let ab_21 = mul_add(ab_20, ab_18, mul_add(fdp_7, fdp_7 * fdp_20, fdp_19 * fdp_21));
-    let edc_14 = index_fdp_4 * edc_10;
-    let edc_15 = edc_6 * edc_14;
-    let index_edc_4 = index_fdp_4 * c_35;
-    let edc_16 = index_edc_4 - edc_15;
-    let edc_17 = index_edc_1 * edc_1;
-    let ab_22 = ab_21 + mul_add(edc_7, edc_7 * edc_16, edc_15 * edc_17);
-    let interosseous_11 = interosseous_7 * (index_fdp_4 * interosseous_9);
-    let index_interosseous_6 = index_fdp_4 * c_24;
-    let interosseous_12 = index_interosseous_6 - interosseous_11;
-    let interosseous_13 = index_interosseous_2 * interosseous_1;
-    let interosseous_14 = mul_add(
-        mul_add(interosseous_3, c_27, interosseous_13),
-        interosseous_11,
-        interosseous_8 * (interosseous_8 * interosseous_12),
-    );
-    let band_19 = index_fdp_4 * band_13;
-    let band_20 = band_7 * band_19;
-    let band_21 = index_interosseous_6 - band_20;
-    let band_22 = index_band_1 * band_1;
-    let band_23 = mul_add(
-        mul_add(band_3, c_16, band_22),
-        band_20,
-        band_8 * (band_8 * band_21),
-    );
-    matrix[0] = -(ab_22 + interosseous_14 + band_23);
-    let fdp_22 = fdp_13 * fdp_20;
-    let edc_18 = edc_11 * edc_16;
-    let ab_23 = mul_add(edc_15, index_edc_2 * edc_3, edc_7 * edc_18)
-        - mul_add(fdp_7, fdp_22, fdp_19 * (index_fdp_2 * fdp_3));
-    let interosseous_15 = interosseous_10 * interosseous_12;
-    let ab_24 = ab_23
-        - neg_mul_add(
-            interosseous_8,
-            interosseous_15,
-            interosseous_11 * (index_interosseous_4 * interosseous_3),
-        );
-    let band_24 = band_14 * band_21;
-    let ab_25 = ab_24 - neg_mul_add(band_8, band_24, band_20 * (index_band_2 * band_3));
-    let ab_26 = L::splat(2.0) * v_ab;
-    let ab_27 = mul_add(ab_26, mcp_35, mul_add(mcp_31, ab_5 + ab_11, mcp_4 * mcp_33));
-    let ab_28 = L::splat(0.5) * ab_27;
-    let ab_29 = mul_add(mcp_6, mcp_23, mul_add(ab_11, mcp_26, ab_4 * mcp_24));
-    let ab_30 = mul_add(
-        L::splat(0.5),
-        mul_add(ab_26, mcp_29, mul_add(mcp_8, mcp_27, ab_29)),
-        ab_28,
-    );
-    let ab_31 = mul_add(ab_26, mcp_42, mul_add(ab_10, mcp_40, mcp_9 * mcp_39));
-    let ab_32 = mul_add(L::splat(0.5), ab_31, ab_30);
-    matrix[1] = ab_25 + ab_32;
-    let edc_19 = edc_13 * index_edc_4;
-    let fdp_23 = fdp_15 * index_fdp_5;
-    let band_25 = band_16 * index_interosseous_6;
-    let ab_33 = neg_mul_add(band_8, band_25, mul_add(fdp_7, fdp_23, edc_7 * edc_19));
-    matrix[2] = ab_30 + ab_33;
-    let band_26 = band_18 * index_interosseous_6;
-    let fdp_24 = fdp_17 * index_fdp_5;
-    let ab_34 = neg_mul_add(band_8, band_26, fdp_7 * fdp_24);
-    matrix[3] = ab_28 + ab_34;
-    matrix[4] = ab_25 - ab_32;
-    let mcp_44 = mul_add(mcp_3, mcp_12, mcp_5 * mcp_14);
-    let mcp_45 = L::splat(2.0) * mcp_30;
-    let mcp_46 = mul_add(mcp_20, mcp_10, mcp_18 * mcp_7);
-    let mcp_47 = mul_add(mcp_45, ab_8, mul_add(mcp_23, mcp_32, mcp_44))
-        + mul_add(mcp_38, mcp_27, mcp_46);
-    let mcp_48 = neg_mul_add(
-        ab_20,
-        mul_add(mcp_4, mcp_6, ab_6),
-        index_fdp_4 * mul_add(mcp_31, mcp_24, mcp_44),
-    );
-    let mcp_49 = mul_add(mcp_23, mcp_33, mul_add(mcp_3, mcp_13, mcp_5 * mcp_15));
-    let mcp_50 = mul_add(index_fdp_4, mul_add(mcp_45, ab_17, mcp_49), ab_20 * c_12);
-    let mcp_51 = mcp_48 - mcp_50;
-    let mcp_52 = mcp_51 + (mcp_48 - mul_add(index_fdp_4, mcp_47, ab_20 * c_13));
-    let mcp_53 = mul_add(mcp_40, mcp_31, mul_add(mcp_3, mcp_7, mcp_5 * mcp_10));
-    let mcp_54 = neg_mul_add(
-        ab_20,
-        mul_add(mcp_9, mcp_4, ab_4 * ab_11),
-        index_fdp_4 * mcp_53,
-    );
-    let mcp_55 = neg_mul_add(
-        ab_20,
-        mul_add(mcp_9, mcp_8, ab_9 * ab_11),
-        index_fdp_4 * mul_add(mcp_40, mcp_26, mcp_46),
-    );
-    let mcp_56 = mcp_55 + mcp_54;
-    let mcp_57 = mcp_56 + mcp_52;
-    let mcp_58 = mul_add(mcp_39, mcp_27, mul_add(mcp_19, mcp_7, mcp_21 * mcp_10));
-    let mcp_59 = mul_add(ab_20, c_11, index_fdp_4 * mul_add(mcp_45, ab_13, mcp_58));
-    let fdp_25 = mul_add(
-        fdp_19,
-        mul_add(L::splat(0.011), index_fdp_2, fdp_21),
-        fdp_13 * fdp_22,
-    );
-    let edc_20 = mul_add(
-        edc_15,
-        mul_add(L::splat(0.011), index_edc_2, edc_17),
-        edc_11 * edc_18,
-    );
-    let interosseous_16 = mul_add(
-        interosseous_10,
-        interosseous_15,
-        interosseous_11 * mul_add(L::splat(0.001), index_interosseous_4, interosseous_13),
-    );
-    let mcp_60 = mcp_57 + (mcp_56 - mcp_59) - fdp_25 - edc_20 - interosseous_16;
+    let band_25 = band_10 * band_15;
+    let band_26 = band_10 * mul_sub(sin_pip, c_42, cos_pip * c_43);
     let band_27 = mul_add(
-        band_14,
-        band_24,
-        band_20 * mul_add(L::splat(0.005), index_band_2, band_22),
+        band_26,
+        band_26 * (index_interosseous_6 - band_25),
+        L::splat(0.5) * band_8 * band_25,
     );
-    matrix[5] = mcp_60 - band_27;
-    let mcp_61 = mul_add(
-        band_14,
-        band_25,
-        neg_mul_add(edc_11, edc_19, mul_add(fdp_13, fdp_23, mcp_57)),
+    let band_28 = band_13 * band_15;
+    let band_29 = band_13 * mul_sub(sin_dip, c_46, cos_dip * c_47);
+    let band_30 = mul_add(
+        band_29,
+        band_29 * (index_interosseous_6 - band_28),
+        L::splat(0.5) * band_11 * band_28,
     );
-    let mcp_62 = L::splat(0.5) * (v_mcp + mcp_2)
-        * neg_mul_add(ab_4, mcp_9, ab_11 * mcp_4);
-    let mcp_63 = mul_add(
-        L::splat(0.5) * (v_mcp + mcp_1),
-        neg_mul_add(ab_9, mcp_9, ab_11 * mcp_8),
-        mcp_62,
+    let mcp_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let mcp_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
+    let mcp_3 = mul_sub(cos_dip, mcp_2, sin_dip * mcp_1);
+    let mcp_4 = mcp_3 * c_54;
+    let mcp_5 = mcp_2 * c_51;
+    let mcp_6 = v_mcp + v_pip;
+    let mcp_7 = mcp_6 * mcp_5;
+    let mcp_8 = cos_mcp * c_49;
+    let mcp_9 = v_mcp * mcp_8;
+    let mcp_10 = mcp_9 + mcp_7;
+    let mcp_11 = mul_add(cos_dip, mcp_1, sin_dip * mcp_2);
+    let mcp_12 = mcp_11 * c_54;
+    let mcp_13 = mcp_1 * c_51;
+    let mcp_14 = mcp_6 * mcp_13;
+    let mcp_15 = sin_mcp * c_49;
+    let mcp_16 = v_mcp * mcp_15;
+    let mcp_17 = mcp_16 + mcp_14;
+    let mcp_18 = v_dip + mcp_6;
+    let mcp_19 = mul_add(mcp_18, c_5, mul_add(mcp_17, mcp_12, mcp_10 * mcp_4));
+    momentum[3] = mcp_19;
+    let mcp_20 = mcp_18 * mcp_12;
+    let mcp_21 = mcp_18 * mcp_4;
+    let mcp_22 = v_ab * mcp_12;
+    let mcp_23 = v_ab * mcp_5;
+    let mcp_24 = v_ab * mcp_8;
+    let mcp_25 = mcp_24 + mcp_23;
+    let mcp_26 = neg_mul_add(
+        mcp_25,
+        mcp_22,
+        neg_mul_add(mcp_10, mcp_20, mcp_17 * mcp_21),
     );
-    matrix[6] = mcp_61 + mcp_63;
-    let mcp_64 = mul_add(band_14, band_26, mul_add(fdp_13, fdp_24, mcp_54 + mcp_51));
-    let mcp_65 = L::splat(0.5) * (mcp_1 + mcp_2)
-        * neg_mul_add(ab_4, mcp_6, ab_5 * mcp_4);
-    let mcp_66 = mcp_62 + mcp_65;
-    matrix[7] = mcp_66 + mcp_64;
-    matrix[8] = ab_33 - ab_30;
-    matrix[9] = mcp_61 - mcp_63;
-    let fdp_26 = fdp_14 * fdp_18;
-    let fdp_27 = mul_add(
-        fdp_26,
-        L::splat(0.5) * fdp_8,
-        fdp_15 * (fdp_15 * (index_fdp_5 - fdp_26)),
+    let mcp_27 = mcp_11 * c_53;
+    let mcp_28 = mcp_3 * mcp_27;
+    let mcp_29 = v_ab * v_ab;
+    let mcp_30 = neg_mul_add(mcp_29, mcp_28, mcp_26);
+    let mcp_31 = mul_add(mcp_13, mcp_20, mcp_5 * mcp_21);
+    let mcp_32 = mcp_2 * c_52;
+    let mcp_33 = mcp_1 * c_52;
+    let mcp_34 = mcp_31 + mul_add(mcp_16, mcp_33, mcp_9 * mcp_32);
+    let mcp_35 = mcp_19 + mul_add(mcp_6, c_7, mcp_34);
+    momentum[2] = mcp_35;
+    let mcp_36 = v_ab * mcp_4;
+    let mcp_37 = v_ab * mcp_13;
+    let mcp_38 = neg_mul_add(
+        mcp_37,
+        mcp_36,
+        neg_mul_add(mcp_14, mcp_21, mcp_7 * mcp_20),
     );
-    let edc_21 = edc_12 * edc_14;
-    let edc_22 = mul_add(
-        L::splat(0.5) * edc_8,
-        edc_21,
-        edc_13 * (edc_13 * (index_edc_4 - edc_21)),
+    let mcp_39 = mcp_6 * mcp_33;
+    let mcp_40 = mcp_6 * mcp_32;
+    let mcp_41 = v_ab * mcp_33;
+    let mcp_42 = neg_mul_add(
+        mcp_24,
+        mcp_41,
+        neg_mul_add(mcp_9, mcp_39, mcp_16 * mcp_40),
     );
-    let band_28 = band_15 * band_19;
-    let band_29 = mul_add(
-        band_16,
-        band_16 * (index_interosseous_6 - band_28),
-        band_28 * (L::splat(0.5) * band_9),
+    let mcp_43 = mcp_1 * c_50;
+    let mcp_44 = mcp_2 * mcp_43;
+    let mcp_45 = mcp_30 + neg_mul_add(mcp_29, mcp_44, mcp_38 + mcp_42);
+    let mcp_46 = mcp_40 + mcp_21;
+    let mcp_47 = mcp_39 + mcp_20;
+    let mcp_48 = mul_add(v_mcp, c_9, mul_add(mcp_15, mcp_47, mcp_8 * mcp_46));
+    momentum[1] = mcp_35 + mcp_48;
+    let mcp_49 = v_ab * mcp_32;
+    let mcp_50 = mcp_49 + mcp_36;
+    let mcp_51 = v_ab * mcp_15;
+    let mcp_52 = neg_mul_add(
+        mcp_51,
+        mcp_50,
+        neg_mul_add(mcp_16, mcp_46, mcp_9 * mcp_47),
     );
-    matrix[10] = mcp_52 - fdp_27 - edc_22 - band_29;
-    let pip_1 = neg_mul_add(band_16, band_26, neg_mul_add(fdp_15, fdp_24, mcp_51));
-    matrix[11] = mcp_65 + pip_1;
-    matrix[12] = ab_34 - ab_28;
-    matrix[13] = mcp_64 - mcp_66;
-    matrix[14] = pip_1 - mcp_65;
-    let fdp_28 = fdp_16 * fdp_18;
-    let fdp_29 = mul_add(
-        fdp_28,
-        L::splat(0.5) * fdp_10,
-        fdp_17 * (fdp_17 * (index_fdp_5 - fdp_28)),
+    let mcp_53 = sin_mcp * c_48;
+    let mcp_54 = cos_mcp * mcp_53;
+    let mcp_55 = mcp_45 + neg_mul_add(mcp_29, mcp_54, mcp_52);
+    let mcp_56 = mul_add(mcp_24, mcp_50, mul_add(mcp_9, mcp_46, mcp_16 * mcp_47));
+    let mcp_57 = neg_mul_add(sin_mcp, mcp_53, c_10);
+    let mcp_58 = L::splat(2.0) * mcp_29;
+    let mcp_59 = L::splat(1.0) / h;
+    let mcp_60 = mul_add(index_fdp_4, mul_add(mcp_58, mcp_57, mcp_56), mcp_59 * c_9);
+    let mcp_61 = mul_add(mcp_16, mcp_39, mcp_9 * mcp_40);
+    let mcp_62 = mul_sub(
+        index_fdp_4,
+        mul_add(mcp_51, mcp_41, mcp_61),
+        mcp_59 * mul_add(mcp_15, mcp_33, mcp_8 * mcp_32),
     );
-    let band_30 = band_17 * band_19;
-    let band_31 = mul_add(
-        band_30,
-        L::splat(0.5) * band_11,
-        band_18 * (band_18 * (index_interosseous_6 - band_30)),
+    let mcp_63 = mul_add(mcp_7, mcp_21, mcp_14 * mcp_20);
+    let mcp_64 = neg_mul_add(mcp_1, mcp_43, c_8);
+    let mcp_65 = mul_add(mcp_58, mcp_64, mul_add(mcp_23, mcp_36, mcp_63))
+        + mul_add(mcp_24, mcp_49, mcp_61);
+    let mcp_66 = mul_add(index_fdp_4, mcp_65, mcp_59 * c_7);
+    let mcp_67 = mul_add(mcp_51, mcp_22, mul_add(mcp_16, mcp_20, mcp_9 * mcp_21));
+    let mcp_68 = mul_sub(
+        index_fdp_4,
+        mcp_67,
+        mcp_59 * mul_add(mcp_15, mcp_12, mcp_8 * mcp_4),
     );
-    matrix[15] = -(band_31 + (mcp_50 + fdp_29));
+    let mcp_69 = mcp_5 * mcp_4;
+    let mcp_70 = mul_sub(
+        index_fdp_4,
+        mul_add(mcp_37, mcp_22, mcp_63),
+        mcp_59 * mul_add(mcp_13, mcp_12, mcp_69),
+    );
+    let mcp_71 = mul_add(mcp_25, mcp_36, mul_add(mcp_10, mcp_21, mcp_17 * mcp_20));
+    let mcp_72 = neg_mul_add(mcp_11, mcp_27, c_6);
+    let mcp_73 = mul_add(index_fdp_4, mul_add(mcp_58, mcp_72, mcp_71), mcp_59 * c_5);
+    let mcp_74 = mcp_62 + mcp_68;
+    let mcp_75 = mcp_70 - mcp_66;
+    let mcp_76 = mcp_74 - mcp_60;
+    let mcp_77 = mcp_70 - mcp_73;
+    let mcp_78 = mcp_68 + mcp_77;
+    let mcp_79 = mcp_75 + mcp_77;
+    let mcp_80 = mcp_74 + mcp_79;
+    let mcp_81 = mcp_76 + mcp_80;
+    let mcp_82 = L::splat(0.5) * (v_mcp + mcp_18)
+        * neg_mul_add(mcp_15, mcp_4, mcp_8 * mcp_12);
+    let mcp_83 = mul_add(
+        L::splat(0.5) * (v_mcp + mcp_6),
+        neg_mul_add(mcp_15, mcp_32, mcp_8 * mcp_33),
+        mcp_82,
+    );
+    let mcp_84 = L::splat(0.5) * (mcp_6 + mcp_18)
+        * neg_mul_add(mcp_13, mcp_4, mcp_5 * mcp_12);
+    let mcp_85 = mcp_82 + mcp_84;
+    let ab_1 = L::splat(2.0) * v_ab;
+    let ab_2 = mul_add(ab_1, mcp_28, mul_add(mcp_8 + mcp_5, mcp_22, mcp_25 * mcp_12));
+    let ab_3 = L::splat(0.5) * ab_2;
+    let ab_4 = mul_add(mcp_13, mcp_36, mul_add(mcp_37, mcp_4, mcp_8 * mcp_41));
+    let ab_5 = mul_add(
+        L::splat(0.5),
+        mul_add(ab_1, mcp_44, mul_add(mcp_24, mcp_33, ab_4)),
+        ab_3,
+    );
+    let ab_6 = mcp_32 + mcp_4;
+    let ab_7 = mul_add(ab_1, mcp_54, mul_add(mcp_51, ab_6, mcp_15 * mcp_50));
+    let ab_8 = mul_add(L::splat(0.5), ab_7, ab_5);
+    let ab_9 = c_55 + mul_add(L::splat(2.0), mcp_8 * ab_6, mcp_57)
+        + mul_add(L::splat(2.0), mcp_69, mcp_64);
+    let ab_10 = mcp_72 + ab_9;
+    momentum[0] = v_ab * ab_10;
+    let mcp_86 = mul_add(fdp_20, fdp_13, mcp_55);
+    let pip_1 = neg_mul_add(fdp_25, fdp_13, mcp_45);
+    let dip_1 = neg_mul_add(fdp_28, fdp_13, mcp_30);
+    let fdp_30 = index_fdp_5 * fdp_25;
+    let mcp_87 = mul_add(fdp_20, fdp_30, mcp_80);
+    let fdp_31 = index_fdp_5 * fdp_28;
+    let mcp_88 = mul_add(fdp_20, fdp_31, mcp_78);
+    let pip_2 = neg_mul_add(fdp_25, fdp_31, mcp_77);
+    let ab_11 = mul_add(mcp_59, ab_10, fdp_19);
+    let mcp_89 = mcp_81 - fdp_23;
+    let pip_3 = mcp_79 - fdp_26;
+    let dip_2 = fdp_29 + mcp_73;
+    let ab_12 = mul_add(fdp_17, fdp_13, edc_14 * edc_10);
+    let mcp_90 = neg_mul_add(edc_17, edc_10, mcp_86);
+    let pip_4 = neg_mul_add(edc_22, edc_10, pip_1);
+    let edc_24 = index_edc_4 * edc_22;
+    let ab_13 = mul_add(fdp_17, fdp_30, edc_14 * edc_24);
+    let mcp_91 = neg_mul_add(edc_17, edc_24, mcp_87);
+    let ab_14 = edc_16 + ab_11;
+    let ab_15 = edc_19 - fdp_22;
+    let mcp_92 = mcp_89 - edc_20;
+    let pip_5 = pip_3 - edc_23;
+    let ab_16 = neg_mul_add(interosseous_11, interosseous_8, ab_12);
+    let mcp_93 = mul_add(interosseous_14, interosseous_8, mcp_90);
+    let ab_17 = interosseous_13 + ab_14;
+    let ab_18 = ab_15 - interosseous_16;
+    let mcp_94 = mcp_92 - interosseous_17;
+    force[0] = neg_mul_add(band_18, band_14, ab_16);
+    force[1] = mul_add(band_21, band_14, mcp_93);
+    force[2] = neg_mul_add(band_26, band_14, pip_4);
+    force[3] = neg_mul_add(band_29, band_14, dip_1);
+    let band_31 = index_interosseous_6 * band_26;
+    let ab_19 = neg_mul_add(band_18, band_31, ab_13);
+    let mcp_95 = mul_add(band_21, band_31, mcp_91);
+    let band_32 = index_interosseous_6 * band_29;
+    let ab_20 = mul_sub(fdp_17, fdp_31, band_18 * band_32);
+    let mcp_96 = mul_add(band_21, band_32, mcp_88);
+    let pip_6 = neg_mul_add(band_26, band_32, pip_2);
+    matrix[0] = -(band_20 + ab_17);
+    let ab_21 = ab_18 - band_23;
+    matrix[5] = mcp_94 - band_24;
+    matrix[10] = pip_5 - band_27;
+    matrix[15] = -(band_30 + dip_2);
+    matrix[4] = ab_21 - ab_8;
+    matrix[1] = ab_8 + ab_21;
+    matrix[8] = ab_19 - ab_5;
+    matrix[2] = ab_5 + ab_19;
+    matrix[9] = mcp_95 - mcp_83;
+    matrix[6] = mcp_83 + mcp_95;
+    matrix[12] = ab_20 - ab_3;
+    matrix[3] = ab_3 + ab_20;
+    matrix[13] = mcp_96 - mcp_85;
+    matrix[7] = mcp_85 + mcp_96;
+    matrix[14] = pip_6 - mcp_84;
+    matrix[11] = mcp_84 + pip_6;
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -747,59 +768,62 @@ pub fn evaluate_with_matrix<L: Lane>(
 /// 58 operations: 12 sums, 19 products, 12 products with sum, 3 sines and cosines.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16]) {
-    let constants = &constants[..14 * L::WIDTH];
+    let constants = &constants[..56 * L::WIDTH];
     let q_mcp = q[1];
     let q_pip = q[2];
     let q_dip = q[3];
-    let c_0 = L::load(&constants[0 * L::WIDTH..]);
-    let c_1 = L::load(&constants[1 * L::WIDTH..]);
-    let c_2 = L::load(&constants[2 * L::WIDTH..]);
-    let c_3 = L::load(&constants[3 * L::WIDTH..]);
-    let c_4 = L::load(&constants[4 * L::WIDTH..]);
     let c_5 = L::load(&constants[5 * L::WIDTH..]);
     let c_6 = L::load(&constants[6 * L::WIDTH..]);
     let c_7 = L::load(&constants[7 * L::WIDTH..]);
     let c_8 = L::load(&constants[8 * L::WIDTH..]);
     let c_9 = L::load(&constants[9 * L::WIDTH..]);
     let c_10 = L::load(&constants[10 * L::WIDTH..]);
-    let c_11 = L::load(&constants[11 * L::WIDTH..]);
-    let c_12 = L::load(&constants[12 * L::WIDTH..]);
-    let c_13 = L::load(&constants[13 * L::WIDTH..]);
-    let (sin_pip, cos_pip) = sin_cos(q_pip);
+    let c_48 = L::load(&constants[48 * L::WIDTH..]);
+    let c_49 = L::load(&constants[49 * L::WIDTH..]);
+    let c_50 = L::load(&constants[50 * L::WIDTH..]);
+    let c_51 = L::load(&constants[51 * L::WIDTH..]);
+    let c_52 = L::load(&constants[52 * L::WIDTH..]);
+    let c_53 = L::load(&constants[53 * L::WIDTH..]);
+    let c_54 = L::load(&constants[54 * L::WIDTH..]);
+    let c_55 = L::load(&constants[55 * L::WIDTH..]);
+    matrix[15] = c_5;
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
-    let ab_1 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let ab_1 = neg_mul_add(sin_mcp, sin_mcp * c_48, c_10);
+    let (sin_pip, cos_pip) = sin_cos(q_pip);
+    let ab_2 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let ab_3 = neg_mul_add(ab_2, ab_2 * c_50, c_8);
+    let ab_4 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
     let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let ab_2 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
-    let ab_3 = mul_sub(cos_dip, ab_2, sin_dip * ab_1) * c_2;
-    let ab_4 = ab_3 * (ab_2 * c_3);
-    let ab_5 = mul_add(L::splat(2.0), ab_4, neg_mul_add(ab_1, ab_1 * c_0, c_1));
-    let ab_6 = ab_2 * c_4;
-    let ab_7 = cos_mcp * c_5;
-    let ab_8 = mul_add(
-        L::splat(2.0),
-        (ab_3 + ab_6) * ab_7,
-        neg_mul_add(sin_mcp, sin_mcp * c_6, c_7),
-    );
-    let ab_9 = mul_add(cos_dip, ab_1, sin_dip * ab_2);
-    matrix[0] = ab_5 + (ab_8 + c_8) + neg_mul_add(ab_9, ab_9 * c_9, c_10);
-    let mcp_1 = ab_9 * c_2;
-    let mcp_2 = mul_add(mcp_1, ab_1 * c_3, ab_4);
-    let mcp_3 = c_12 + mcp_2;
-    let mcp_4 = mcp_3 + (c_13 + mcp_2);
-    let mcp_5 = sin_mcp * c_5;
-    let mcp_6 = mul_add(mcp_5, mcp_1, ab_3 * ab_7);
-    let mcp_7 = mul_add(mcp_5, ab_1 * c_4, ab_6 * ab_7) + mcp_6;
-    let mcp_8 = mcp_7 + mcp_4;
-    matrix[5] = c_11 + mcp_7 + mcp_8;
-    matrix[6] = mcp_8;
-    let mcp_9 = mcp_6 + mcp_3;
-    matrix[7] = mcp_9;
-    matrix[9] = mcp_8;
-    matrix[10] = mcp_4;
-    matrix[11] = mcp_3;
-    matrix[13] = mcp_9;
-    matrix[14] = mcp_3;
-    matrix[15] = c_12;
+    let ab_5 = mul_add(cos_dip, ab_2, sin_dip * ab_4);
+    let ab_6 = neg_mul_add(ab_5, ab_5 * c_53, c_6);
+    let mcp_1 = ab_4 * c_52;
+    let mcp_2 = cos_mcp * c_49;
+    let mcp_3 = sin_mcp * c_49;
+    let mcp_4 = mul_add(mcp_3, ab_2 * c_52, mcp_2 * mcp_1);
+    let mcp_5 = mul_sub(cos_dip, ab_4, sin_dip * ab_2) * c_54;
+    let mcp_6 = ab_5 * c_54;
+    let mcp_7 = mul_add(mcp_3, mcp_6, mcp_2 * mcp_5);
+    let mcp_8 = ab_4 * c_51 * mcp_5;
+    let mcp_9 = mul_add(ab_2 * c_51, mcp_6, mcp_8);
+    let ab_7 = mul_add(L::splat(2.0), mcp_2 * (mcp_1 + mcp_5), ab_1);
+    let ab_8 = c_55 + ab_7;
+    let ab_9 = mul_add(L::splat(2.0), mcp_8, ab_3);
+    matrix[0] = ab_6 + (ab_8 + ab_9);
+    let mcp_10 = mcp_4 + mcp_7;
+    let mcp_11 = c_7 + mcp_9;
+    let mcp_12 = c_9 + mcp_10;
+    let mcp_13 = c_5 + mcp_9;
+    matrix[11] = mcp_13;
+    matrix[14] = mcp_13;
+    let mcp_14 = mcp_7 + mcp_13;
+    matrix[7] = mcp_14;
+    matrix[13] = mcp_14;
+    let mcp_15 = mcp_11 + mcp_13;
+    matrix[10] = mcp_15;
+    let mcp_16 = mcp_10 + mcp_15;
+    matrix[6] = mcp_16;
+    matrix[9] = mcp_16;
+    matrix[5] = mcp_12 + mcp_16;
 }
 
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
@@ -813,11 +837,16 @@ pub fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16])
 /// 118 operations: 24 sums, 23 products, 29 products with sum, 9 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
-    let constants = &constants[..45 * L::WIDTH];
+    let constants = &constants[..46 * L::WIDTH];
     let q_ab = q[0];
     let q_mcp = q[1];
     let q_pip = q[2];
     let q_dip = q[3];
+    let c_3 = L::load(&constants[3 * L::WIDTH..]);
+    let c_4 = L::load(&constants[4 * L::WIDTH..]);
+    let c_11 = L::load(&constants[11 * L::WIDTH..]);
+    let c_12 = L::load(&constants[12 * L::WIDTH..]);
+    let c_13 = L::load(&constants[13 * L::WIDTH..]);
     let c_14 = L::load(&constants[14 * L::WIDTH..]);
     let c_15 = L::load(&constants[15 * L::WIDTH..]);
     let c_16 = L::load(&constants[16 * L::WIDTH..]);
@@ -828,50 +857,45 @@ pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
     let c_21 = L::load(&constants[21 * L::WIDTH..]);
     let c_22 = L::load(&constants[22 * L::WIDTH..]);
     let c_23 = L::load(&constants[23 * L::WIDTH..]);
-    let c_25 = L::load(&constants[25 * L::WIDTH..]);
     let c_26 = L::load(&constants[26 * L::WIDTH..]);
     let c_27 = L::load(&constants[27 * L::WIDTH..]);
-    let c_28 = L::load(&constants[28 * L::WIDTH..]);
-    let c_29 = L::load(&constants[29 * L::WIDTH..]);
     let c_30 = L::load(&constants[30 * L::WIDTH..]);
     let c_31 = L::load(&constants[31 * L::WIDTH..]);
     let c_32 = L::load(&constants[32 * L::WIDTH..]);
     let c_33 = L::load(&constants[33 * L::WIDTH..]);
-    let c_34 = L::load(&constants[34 * L::WIDTH..]);
     let c_36 = L::load(&constants[36 * L::WIDTH..]);
     let c_37 = L::load(&constants[37 * L::WIDTH..]);
     let c_38 = L::load(&constants[38 * L::WIDTH..]);
     let c_39 = L::load(&constants[39 * L::WIDTH..]);
     let c_40 = L::load(&constants[40 * L::WIDTH..]);
     let c_41 = L::load(&constants[41 * L::WIDTH..]);
-    let c_42 = L::load(&constants[42 * L::WIDTH..]);
-    let c_43 = L::load(&constants[43 * L::WIDTH..]);
     let c_44 = L::load(&constants[44 * L::WIDTH..]);
+    let c_45 = L::load(&constants[45 * L::WIDTH..]);
     let (sin_ab, cos_ab) = sin_cos(q_ab);
     let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
     let fdp_1 = mul_sub(L::splat(0.012), cos_mcp, L::splat(0.01) * sin_mcp)
-        - mul_add(sin_ab, c_43, cos_ab * c_42);
-    let fdp_2 = neg_mul_add(sin_ab, c_42, cos_ab * c_43);
+        - mul_add(cos_ab, c_20, sin_ab * c_21);
+    let fdp_2 = mul_sub(cos_ab, c_21, sin_ab * c_20);
     let index_fdp_1 = L::splat(0.011)
         - mul_add(L::splat(0.01), cos_mcp, L::splat(0.012) * sin_mcp);
-    let fdp_3 = mul_add(index_fdp_1, index_fdp_1, mul_add(fdp_2, fdp_2, fdp_1 * fdp_1));
+    let fdp_3 = mul_add(index_fdp_1, index_fdp_1, mul_add(fdp_1, fdp_1, fdp_2 * fdp_2));
     let (sin_pip, cos_pip) = sin_cos(q_pip);
-    let fdp_4 = sqrt(c_41 - mul_add(sin_pip, c_39, cos_pip * c_40));
+    let fdp_4 = sqrt(c_11 - mul_add(cos_pip, c_22, sin_pip * c_23));
     let (sin_dip, cos_dip) = sin_cos(q_dip);
-    let fdp_5 = sqrt(c_38 - mul_add(cos_dip, c_36, sin_dip * c_37));
-    lengths[0] = fdp_5 + (fdp_4 + (sqrt(fdp_3) + c_44));
+    let fdp_5 = sqrt(c_13 - mul_add(cos_dip, c_26, sin_dip * c_27));
+    lengths[0] = c_12 + sqrt(fdp_3) + fdp_4 + fdp_5;
     let edc_1 = mul_add(L::splat(0.003), cos_mcp, L::splat(0.0105) * sin_mcp)
-        - mul_add(sin_ab, c_32, cos_ab * c_33);
-    let edc_2 = neg_mul_add(sin_ab, c_33, cos_ab * c_32);
+        - mul_add(cos_ab, c_30, sin_ab * c_31);
+    let edc_2 = mul_sub(cos_ab, c_31, sin_ab * c_30);
     let index_edc_1 = L::splat(-0.011)
         + mul_sub(L::splat(0.0105), cos_mcp, L::splat(0.003) * sin_mcp);
     let edc_3 = mul_add(index_edc_1, index_edc_1, mul_add(edc_1, edc_1, edc_2 * edc_2));
-    let edc_4 = sqrt(c_31 - mul_add(sin_pip, c_29, cos_pip * c_30));
-    lengths[1] = edc_4 + (sqrt(edc_3) + c_34);
+    let edc_4 = sqrt(c_15 - mul_add(cos_pip, c_32, sin_pip * c_33));
+    lengths[1] = c_14 + sqrt(edc_3) + edc_4;
     let index_interosseous_1 = L::splat(0.008) * cos_mcp;
     let interosseous_1 = neg_mul_add(L::splat(0.001), sin_mcp, index_interosseous_1)
-        - mul_add(sin_ab, c_25, cos_ab * c_26);
-    let interosseous_2 = c_27 - neg_mul_add(sin_ab, c_26, cos_ab * c_25);
+        - mul_add(cos_ab, c_36, sin_ab * c_37);
+    let interosseous_2 = c_3 - mul_sub(cos_ab, c_37, sin_ab * c_36);
     let index_interosseous_2 = L::splat(0.008) * sin_mcp;
     let index_interosseous_3 = L::splat(0.001)
         - mul_add(L::splat(0.001), cos_mcp, index_interosseous_2);
@@ -880,10 +904,10 @@ pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
         index_interosseous_3,
         mul_add(interosseous_1, interosseous_1, interosseous_2 * interosseous_2),
     );
-    lengths[2] = sqrt(interosseous_3) + c_28;
+    lengths[2] = c_16 + sqrt(interosseous_3);
     let band_1 = neg_mul_add(L::splat(0.005), sin_mcp, index_interosseous_1)
-        - mul_add(sin_ab, c_14, cos_ab * c_15);
-    let band_2 = c_16 - neg_mul_add(sin_ab, c_15, cos_ab * c_14);
+        - mul_add(cos_ab, c_38, sin_ab * c_39);
+    let band_2 = c_4 - mul_sub(cos_ab, c_39, sin_ab * c_38);
     let index_band_1 = L::splat(0.005)
         - mul_add(L::splat(0.005), cos_mcp, index_interosseous_2);
     let band_3 = mul_add(
@@ -891,9 +915,9 @@ pub fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
         index_band_1,
         mul_add(band_1, band_1, band_2 * band_2),
     );
-    let band_4 = sqrt(c_23 - mul_add(sin_pip, c_21, cos_pip * c_22));
-    let band_5 = sqrt(c_19 - mul_add(cos_dip, c_17, sin_dip * c_18));
-    lengths[3] = band_5 + (sqrt(band_3) + c_20 + band_4);
+    let band_4 = sqrt(c_17 - mul_add(cos_pip, c_40, sin_pip * c_41));
+    let band_5 = sqrt(c_19 - mul_add(cos_dip, c_44, sin_dip * c_45));
+    lengths[3] = c_18 + sqrt(band_3) + band_4 + band_5;
 }
 
 /// Where the numbers of each block stand.
@@ -932,236 +956,236 @@ pub static PLACES: [Place<4, 4, 0>; 4] = [
 pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 56]; 4] {
     [
         [
-            2.0917644617198177e-6,
-            1.0458822308599088e-6,
-            2.113600077163611e-5,
-            0.0224,
-            0.0001154165848898187,
-            0.039799999999999995,
-            1.7742421098850526e-5,
-            8.871210549425263e-6,
-            1.0687300077035954e-5,
-            1.8985836304951953e-7,
-            9.492918152475976e-8,
-            1.8193617546820962e-5,
-            2.5540671987294797e-7,
-            2.2502977721519766e-6,
-            -0.010000000000000002,
-            -0.007999999999999997,
-            -0.009,
-            7.65e-5,
-            -5.1999999999999976e-5,
-            9.649999999999999e-5,
-            0.09421199494172741,
-            -7.200000000000004e-5,
-            5.399999999999997e-5,
-            9.000000000000003e-5,
-            params[parameter::K_INTRINSIC],
-            0.010999999999999996,
-            -0.008000000000000004,
-            0.01,
-            0.045210728815182795,
-            -7.200000000000003e-5,
-            0.00015399999999999998,
-            0.00016999999999999999,
-            -2.439454888092385e-19,
-            -0.002999999999999997,
-            0.14993665655140606,
+            params[parameter::K_FLEXOR],
             params[parameter::K_EXTENSOR],
-            1.463168000000001e-5,
-            0.000152684,
-            0.00015491888400000003,
-            0.000345344,
-            -6.297599999999999e-5,
+            params[parameter::K_INTRINSIC],
+            0.01,
+            -0.009,
+            2.5540671987294797e-7,
+            9.492918152475976e-8,
+            2.2502977721519766e-6,
+            1.0458822308599088e-6,
+            1.8193617546820962e-5,
+            8.871210549425263e-6,
             0.000354510464,
+            0.12972844537042483,
+            0.00015491888400000003,
+            0.14993665655140606,
+            0.00016999999999999999,
+            0.045210728815182795,
+            9.000000000000003e-5,
+            0.09421199494172741,
+            9.649999999999999e-5,
             -0.012,
             -1.0842021724855044e-19,
-            0.12972844537042483,
-            params[parameter::K_FLEXOR],
-            -3.600000000000002e-5,
-            2.6999999999999985e-5,
-            -3.6000000000000014e-5,
-            7.699999999999999e-5,
-            0.000172672,
+            -6.297599999999999e-5,
+            0.000345344,
             -3.1487999999999994e-5,
-            -2.5999999999999988e-5,
-            3.825e-5,
-            7.6342e-5,
+            0.000172672,
+            1.463168000000001e-5,
+            0.000152684,
             7.315840000000005e-6,
-        ],
-        [
-            3.2860326736109956e-6,
-            1.6430163368054978e-6,
-            2.5633454549032793e-5,
-            0.0263,
-            0.00015397952789848317,
-            0.0446,
-            2.5456116591746076e-5,
-            1.2728058295873038e-5,
-            1.5265635485041092e-5,
-            2.612549902141078e-7,
-            1.306274951070539e-7,
-            2.5961728691733047e-5,
-            3.33441155323453e-7,
-            3.472167765770182e-6,
-            -0.01,
-            -0.007999999999999993,
-            -0.009,
+            7.6342e-5,
+            -0.002999999999999997,
+            -2.439454888092385e-19,
+            0.00015399999999999998,
+            -7.200000000000003e-5,
+            7.699999999999999e-5,
+            -3.6000000000000014e-5,
+            -0.008000000000000004,
+            0.010999999999999996,
+            -0.007999999999999997,
+            -0.010000000000000002,
+            5.399999999999997e-5,
+            -7.200000000000004e-5,
+            2.6999999999999985e-5,
+            -3.600000000000002e-5,
             7.65e-5,
             -5.1999999999999976e-5,
-            9.649999999999999e-5,
-            0.09905932921879514,
-            -7.200000000000004e-5,
-            5.399999999999997e-5,
-            9.000000000000003e-5,
-            params[parameter::K_INTRINSIC],
-            0.011,
-            -0.007999999999999993,
-            0.01,
-            0.041720019175451005,
-            -7.200000000000003e-5,
-            0.00015399999999999998,
-            0.00016999999999999999,
-            0.0,
-            -0.0030000000000000027,
-            0.15123287910466324,
+            3.825e-5,
+            -2.5999999999999988e-5,
+            1.7742421098850526e-5,
+            0.039799999999999995,
+            2.0917644617198177e-6,
+            0.0224,
+            0.0001154165848898187,
+            1.8985836304951953e-7,
+            2.113600077163611e-5,
+            1.0687300077035954e-5,
+        ],
+        [
+            params[parameter::K_FLEXOR],
             params[parameter::K_EXTENSOR],
-            -5.6935200000000105e-6,
-            0.00017362800000000003,
-            0.00017631659600000004,
-            0.0003748279999999999,
-            -9.901199999999991e-5,
+            params[parameter::K_INTRINSIC],
+            0.01,
+            -0.009,
+            3.33441155323453e-7,
+            1.306274951070539e-7,
+            3.472167765770182e-6,
+            1.6430163368054978e-6,
+            2.5961728691733047e-5,
+            1.2728058295873038e-5,
             0.00038801411599999986,
+            0.13218112782147726,
+            0.00017631659600000004,
+            0.15123287910466324,
+            0.00016999999999999999,
+            0.041720019175451005,
+            9.000000000000003e-5,
+            0.09905932921879514,
+            9.649999999999999e-5,
             -0.011999999999999997,
             0.0,
-            0.13218112782147726,
-            params[parameter::K_FLEXOR],
-            -3.600000000000002e-5,
-            2.6999999999999985e-5,
-            -3.6000000000000014e-5,
-            7.699999999999999e-5,
-            0.00018741399999999995,
+            -9.901199999999991e-5,
+            0.0003748279999999999,
             -4.9505999999999956e-5,
-            -2.5999999999999988e-5,
-            3.825e-5,
-            8.681400000000001e-5,
+            0.00018741399999999995,
+            -5.6935200000000105e-6,
+            0.00017362800000000003,
             -2.8467600000000052e-6,
-        ],
-        [
-            3.095335045498523e-6,
-            1.5476675227492616e-6,
-            2.5339663799643364e-5,
-            0.0257,
-            0.00014832629789179408,
-            0.0414,
-            2.1149213624841585e-5,
-            1.0574606812420793e-5,
-            1.29734518691604e-5,
-            2.5636513811014907e-7,
-            1.2818256905507453e-7,
-            2.16185486234842e-5,
-            3.2813644020162447e-7,
-            3.277223709699705e-6,
-            0.010000000000000002,
-            -0.007999999999999998,
-            0.009,
-            7.649999999999999e-5,
-            -5.200000000000002e-5,
-            9.65e-5,
-            0.08891202891001955,
-            -7.200000000000004e-5,
-            5.399999999999997e-5,
-            9.000000000000003e-5,
-            params[parameter::K_INTRINSIC],
-            -0.011000000000000001,
-            -0.008,
-            -0.01,
-            0.03514256678161116,
-            -7.200000000000003e-5,
+            8.681400000000001e-5,
+            -0.0030000000000000027,
+            0.0,
             0.00015399999999999998,
-            0.00016999999999999999,
-            -2.981555974335137e-19,
-            -0.003000000000000002,
-            0.14143565528020308,
-            params[parameter::K_EXTENSOR],
-            -3.143559999999992e-6,
-            0.000171122,
-            0.00017344544100000002,
-            0.000370292,
-            -9.346799999999998e-5,
-            0.00038251043599999996,
-            -0.012000000000000007,
-            -1.1926223897340549e-18,
-            0.1222069424434041,
-            params[parameter::K_FLEXOR],
-            -3.600000000000002e-5,
-            2.6999999999999985e-5,
-            -3.6000000000000014e-5,
+            -7.200000000000003e-5,
             7.699999999999999e-5,
-            0.000185146,
-            -4.673399999999999e-5,
-            -2.600000000000001e-5,
-            3.8249999999999995e-5,
-            8.5561e-5,
-            -1.571779999999996e-6,
-        ],
-        [
-            1.2607031603000897e-6,
-            6.303515801500448e-7,
-            2.1674476035646702e-5,
-            0.0181,
-            8.52669463879885e-5,
-            0.0327,
-            1.0254697984200472e-5,
-            5.127348992100236e-6,
-            6.421888546013878e-6,
-            1.980053696173141e-7,
-            9.900268480865706e-8,
-            1.0625404613563116e-5,
-            2.6438345247648215e-7,
-            1.388803737033218e-6,
-            0.01,
-            -0.007999999999999998,
-            0.009,
+            -3.6000000000000014e-5,
+            -0.007999999999999993,
+            0.011,
+            -0.007999999999999993,
+            -0.01,
+            5.399999999999997e-5,
+            -7.200000000000004e-5,
+            2.6999999999999985e-5,
+            -3.600000000000002e-5,
             7.65e-5,
             -5.1999999999999976e-5,
-            9.649999999999999e-5,
-            0.06932376200206641,
-            -7.199999999999999e-5,
-            5.4e-5,
-            8.999999999999998e-5,
-            params[parameter::K_INTRINSIC],
-            -0.010999999999999996,
-            -0.008000000000000002,
-            -0.01,
-            0.03086243671520445,
-            -7.200000000000003e-5,
-            0.00015399999999999998,
-            0.00016999999999999999,
-            -2.9815559743351372e-18,
-            -0.003000000000000003,
-            0.12844554910897665,
+            3.825e-5,
+            -2.5999999999999988e-5,
+            2.5456116591746076e-5,
+            0.0446,
+            3.2860326736109956e-6,
+            0.0263,
+            0.00015397952789848317,
+            2.612549902141078e-7,
+            2.5633454549032793e-5,
+            1.5265635485041092e-5,
+        ],
+        [
+            params[parameter::K_FLEXOR],
             params[parameter::K_EXTENSOR],
-            2.7238399999999993e-5,
-            0.000139216,
-            0.00014204462400000002,
-            0.000312836,
-            -2.3243999999999983e-5,
+            params[parameter::K_INTRINSIC],
+            -0.01,
+            0.009,
+            3.2813644020162447e-7,
+            1.2818256905507453e-7,
+            3.277223709699705e-6,
+            1.5476675227492616e-6,
+            2.16185486234842e-5,
+            1.0574606812420793e-5,
+            0.00038251043599999996,
+            0.1222069424434041,
+            0.00017344544100000002,
+            0.14143565528020308,
+            0.00016999999999999999,
+            0.03514256678161116,
+            9.000000000000003e-5,
+            0.08891202891001955,
+            9.65e-5,
+            -0.012000000000000007,
+            -1.1926223897340549e-18,
+            -9.346799999999998e-5,
+            0.000370292,
+            -4.673399999999999e-5,
+            0.000185146,
+            -3.143559999999992e-6,
+            0.000171122,
+            -1.571779999999996e-6,
+            8.5561e-5,
+            -0.003000000000000002,
+            -2.981555974335137e-19,
+            0.00015399999999999998,
+            -7.200000000000003e-5,
+            7.699999999999999e-5,
+            -3.6000000000000014e-5,
+            -0.008,
+            -0.011000000000000001,
+            -0.007999999999999998,
+            0.010000000000000002,
+            5.399999999999997e-5,
+            -7.200000000000004e-5,
+            2.6999999999999985e-5,
+            -3.600000000000002e-5,
+            7.649999999999999e-5,
+            -5.200000000000002e-5,
+            3.8249999999999995e-5,
+            -2.600000000000001e-5,
+            2.1149213624841585e-5,
+            0.0414,
+            3.095335045498523e-6,
+            0.0257,
+            0.00014832629789179408,
+            2.5636513811014907e-7,
+            2.5339663799643364e-5,
+            1.29734518691604e-5,
+        ],
+        [
+            params[parameter::K_FLEXOR],
+            params[parameter::K_EXTENSOR],
+            params[parameter::K_INTRINSIC],
+            -0.01,
+            0.009,
+            2.6438345247648215e-7,
+            9.900268480865706e-8,
+            1.388803737033218e-6,
+            6.303515801500448e-7,
+            1.0625404613563116e-5,
+            5.127348992100236e-6,
             0.000323790404,
+            0.1069781758046222,
+            0.00014204462400000002,
+            0.12844554910897665,
+            0.00016999999999999999,
+            0.03086243671520445,
+            8.999999999999998e-5,
+            0.06932376200206641,
+            9.649999999999999e-5,
             -0.012,
             3.686287386450715e-18,
-            0.1069781758046222,
-            params[parameter::K_FLEXOR],
-            -3.5999999999999994e-5,
-            2.7e-5,
-            -3.6000000000000014e-5,
-            7.699999999999999e-5,
-            0.000156418,
+            -2.3243999999999983e-5,
+            0.000312836,
             -1.1621999999999991e-5,
-            -2.5999999999999988e-5,
-            3.825e-5,
-            6.9608e-5,
+            0.000156418,
+            2.7238399999999993e-5,
+            0.000139216,
             1.3619199999999997e-5,
+            6.9608e-5,
+            -0.003000000000000003,
+            -2.9815559743351372e-18,
+            0.00015399999999999998,
+            -7.200000000000003e-5,
+            7.699999999999999e-5,
+            -3.6000000000000014e-5,
+            -0.008000000000000002,
+            -0.010999999999999996,
+            -0.007999999999999998,
+            0.01,
+            5.4e-5,
+            -7.199999999999999e-5,
+            2.7e-5,
+            -3.5999999999999994e-5,
+            7.65e-5,
+            -5.1999999999999976e-5,
+            3.825e-5,
+            -2.5999999999999988e-5,
+            1.0254697984200472e-5,
+            0.0327,
+            1.2607031603000897e-6,
+            0.0181,
+            8.52669463879885e-5,
+            1.980053696173141e-7,
+            2.1674476035646702e-5,
+            6.421888546013878e-6,
         ],
     ]
 }

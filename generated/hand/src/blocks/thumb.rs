@@ -4,7 +4,9 @@
 
 use crate::layout::{PARAMETERS, VALUES, parameter};
 use handc_core::lane::Lane;
-use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::lane::functions::{
+    mul_add, mul_sub, neg_mul_add, sin_cos, sqrt, sqrt_recip,
+};
 use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
@@ -15,7 +17,7 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-/// 439 operations: 64 sums, 119 products, 113 products with sum, 13 divisions, 13 roots, 4 sines and cosines.
+/// 445 operations: 63 sums, 126 products, 113 products with sum, 13 divisions, 13 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 4],
@@ -46,125 +48,128 @@ pub fn evaluate<L: Lane>(
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_ab_1 = mul_add(
+    let thumb_cmc_1 = mul_add(
         sin_thumb_cmc,
         cos_thumb_mcp,
         cos_thumb_cmc * sin_thumb_mcp,
     );
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_ab_2 = mul_sub(
+    let thumb_cmc_2 = mul_sub(
         cos_thumb_cmc,
         cos_thumb_mcp,
         sin_thumb_cmc * sin_thumb_mcp,
     );
-    let thumb_ab_3 = mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
-    let thumb_ab_4 = L::splat(6.59048003551084e-5) * thumb_ab_3;
-    let thumb_ab_5 = L::splat(0.0316) * thumb_ab_2;
-    let thumb_ab_6 = L::splat(9.42724093757499e-6) * thumb_ab_1;
-    let thumb_ab_7 = mul_add(
-        L::splat(2.0),
-        thumb_ab_4 * thumb_ab_5,
-        neg_mul_add(thumb_ab_1, thumb_ab_6, L::splat(4.713620468787495e-6)),
-    );
-    let thumb_ab_8 = L::splat(0.00036448271648406014) * thumb_ab_2;
-    let thumb_ab_9 = L::splat(0.046200000000000005) * cos_thumb_cmc;
-    let thumb_ab_10 = L::splat(4.943365874069823e-5) * sin_thumb_cmc;
-    let thumb_ab_11 = mul_add(
-        L::splat(2.0),
-        (thumb_ab_4 + thumb_ab_8) * thumb_ab_9,
-        neg_mul_add(sin_thumb_cmc, thumb_ab_10, L::splat(2.4716829370349116e-5)),
-    );
-    let thumb_ab_12 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
-    let thumb_ab_13 = L::splat(8.304207317248589e-7) * thumb_ab_12;
-    let thumb_ab_14 = thumb_ab_7 + (L::splat(3.180643293651146e-5) + thumb_ab_11)
-        + neg_mul_add(thumb_ab_12, thumb_ab_13, L::splat(4.1521036586242944e-7));
-    momentum[0] = v_thumb_ab * thumb_ab_14;
-    let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
-    let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
-    let thumb_cmc_3 = thumb_cmc_2 * thumb_ab_4;
-    let thumb_cmc_4 = L::splat(6.59048003551084e-5) * thumb_ab_12;
-    let thumb_cmc_5 = thumb_cmc_2 * thumb_cmc_4;
-    let thumb_cmc_6 = L::splat(0.0316) * thumb_ab_1;
-    let thumb_cmc_7 = v_thumb_cmc * thumb_ab_9;
-    let thumb_cmc_8 = L::splat(0.00036448271648406014) * thumb_ab_1;
-    let thumb_cmc_9 = L::splat(0.046200000000000005) * sin_thumb_cmc;
-    let thumb_cmc_10 = v_thumb_cmc * thumb_cmc_9;
-    let thumb_cmc_11 = mul_add(thumb_cmc_8, thumb_cmc_10, thumb_ab_8 * thumb_cmc_7)
-        + mul_add(thumb_cmc_5, thumb_cmc_6, thumb_ab_5 * thumb_cmc_3);
-    let thumb_cmc_12 = thumb_cmc_1 * thumb_ab_5;
-    let thumb_cmc_13 = thumb_cmc_12 + thumb_cmc_7;
-    let thumb_cmc_14 = thumb_cmc_1 * thumb_cmc_6;
-    let thumb_cmc_15 = thumb_cmc_10 + thumb_cmc_14;
-    let thumb_cmc_16 = mul_add(
+    let thumb_cmc_3 = mul_sub(cos_thumb_ip, thumb_cmc_2, sin_thumb_ip * thumb_cmc_1);
+    let thumb_cmc_4 = L::splat(6.59048003551084e-5) * thumb_cmc_3;
+    let thumb_cmc_5 = L::splat(0.0316) * thumb_cmc_2;
+    let thumb_cmc_6 = v_thumb_cmc + v_thumb_mcp;
+    let thumb_cmc_7 = thumb_cmc_6 * thumb_cmc_5;
+    let thumb_cmc_8 = L::splat(0.046200000000000005) * cos_thumb_cmc;
+    let thumb_cmc_9 = v_thumb_cmc * thumb_cmc_8;
+    let thumb_cmc_10 = thumb_cmc_9 + thumb_cmc_7;
+    let thumb_cmc_11 = mul_add(cos_thumb_ip, thumb_cmc_1, sin_thumb_ip * thumb_cmc_2);
+    let thumb_cmc_12 = L::splat(6.59048003551084e-5) * thumb_cmc_11;
+    let thumb_cmc_13 = L::splat(0.0316) * thumb_cmc_1;
+    let thumb_cmc_14 = thumb_cmc_6 * thumb_cmc_13;
+    let thumb_cmc_15 = L::splat(0.046200000000000005) * sin_thumb_cmc;
+    let thumb_cmc_16 = v_thumb_cmc * thumb_cmc_15;
+    let thumb_cmc_17 = thumb_cmc_16 + thumb_cmc_14;
+    let thumb_cmc_18 = v_thumb_ip + thumb_cmc_6;
+    let thumb_cmc_19 = mul_add(
         L::splat(1.0764248252162773e-6),
-        thumb_cmc_2,
-        mul_add(thumb_cmc_4, thumb_cmc_15, thumb_ab_4 * thumb_cmc_13),
+        thumb_cmc_18,
+        mul_add(thumb_cmc_17, thumb_cmc_12, thumb_cmc_10 * thumb_cmc_4),
     );
-    let thumb_cmc_17 = thumb_cmc_16
-        + mul_add(L::splat(9.973249740768897e-6), thumb_cmc_1, thumb_cmc_11);
-    let thumb_cmc_18 = thumb_cmc_1 * thumb_ab_8;
-    let thumb_cmc_19 = thumb_cmc_3 + thumb_cmc_18;
-    let thumb_cmc_20 = thumb_cmc_1 * thumb_cmc_8;
-    let thumb_cmc_21 = thumb_cmc_5 + thumb_cmc_20;
-    let thumb_cmc_22 = mul_add(
+    momentum[3] = thumb_cmc_19;
+    let thumb_cmc_20 = thumb_cmc_18 * thumb_cmc_12;
+    let thumb_cmc_21 = thumb_cmc_18 * thumb_cmc_4;
+    let thumb_cmc_22 = v_thumb_ab * thumb_cmc_8;
+    let thumb_cmc_23 = neg_mul_add(
+        mul_add(v_thumb_ab, thumb_cmc_5, thumb_cmc_22),
+        v_thumb_ab * thumb_cmc_12,
+        neg_mul_add(thumb_cmc_10, thumb_cmc_20, thumb_cmc_17 * thumb_cmc_21),
+    );
+    let thumb_cmc_24 = L::splat(8.304207317248589e-7) * thumb_cmc_11;
+    let thumb_cmc_25 = v_thumb_ab * v_thumb_ab;
+    let thumb_cmc_26 = neg_mul_add(
+        thumb_cmc_25,
+        thumb_cmc_3 * thumb_cmc_24,
+        thumb_cmc_23,
+    );
+    let thumb_cmc_27 = mul_add(thumb_cmc_13, thumb_cmc_20, thumb_cmc_5 * thumb_cmc_21);
+    let thumb_cmc_28 = L::splat(0.00036448271648406014) * thumb_cmc_2;
+    let thumb_cmc_29 = L::splat(0.00036448271648406014) * thumb_cmc_1;
+    let thumb_cmc_30 = thumb_cmc_27
+        + mul_add(thumb_cmc_16, thumb_cmc_29, thumb_cmc_9 * thumb_cmc_28);
+    let thumb_cmc_31 = thumb_cmc_19
+        + mul_add(L::splat(9.973249740768897e-6), thumb_cmc_6, thumb_cmc_30);
+    momentum[2] = thumb_cmc_31;
+    let thumb_cmc_32 = v_thumb_ab * thumb_cmc_4;
+    let thumb_cmc_33 = neg_mul_add(
+        v_thumb_ab * thumb_cmc_13,
+        thumb_cmc_32,
+        neg_mul_add(thumb_cmc_14, thumb_cmc_21, thumb_cmc_7 * thumb_cmc_20),
+    );
+    let thumb_cmc_34 = thumb_cmc_6 * thumb_cmc_29;
+    let thumb_cmc_35 = thumb_cmc_6 * thumb_cmc_28;
+    let thumb_cmc_36 = neg_mul_add(
+        thumb_cmc_22,
+        v_thumb_ab * thumb_cmc_29,
+        neg_mul_add(thumb_cmc_9, thumb_cmc_34, thumb_cmc_16 * thumb_cmc_35),
+    );
+    let thumb_cmc_37 = L::splat(9.42724093757499e-6) * thumb_cmc_1;
+    let thumb_cmc_38 = thumb_cmc_26
+        + neg_mul_add(
+            thumb_cmc_25,
+            thumb_cmc_2 * thumb_cmc_37,
+            thumb_cmc_33 + thumb_cmc_36,
+        );
+    let thumb_cmc_39 = thumb_cmc_35 + thumb_cmc_21;
+    let thumb_cmc_40 = thumb_cmc_34 + thumb_cmc_20;
+    let thumb_cmc_41 = mul_add(
         L::splat(5.060241857552533e-5),
         v_thumb_cmc,
-        mul_add(thumb_cmc_9, thumb_cmc_21, thumb_ab_9 * thumb_cmc_19),
+        mul_add(thumb_cmc_15, thumb_cmc_40, thumb_cmc_8 * thumb_cmc_39),
     );
-    momentum[1] = thumb_cmc_22 + thumb_cmc_17;
-    momentum[2] = thumb_cmc_17;
-    momentum[3] = thumb_cmc_16;
-    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_epl_1 = L::splat(0.004) * cos_thumb_ab;
-    let thumb_epl_2 = mul_add(L::splat(0.008), sin_thumb_ab, thumb_epl_1);
+    momentum[1] = thumb_cmc_31 + thumb_cmc_41;
+    let thumb_cmc_42 = neg_mul_add(
+        v_thumb_ab * thumb_cmc_15,
+        mul_add(v_thumb_ab, thumb_cmc_28, thumb_cmc_32),
+        neg_mul_add(thumb_cmc_16, thumb_cmc_39, thumb_cmc_9 * thumb_cmc_40),
+    );
+    let thumb_cmc_43 = L::splat(4.943365874069823e-5) * sin_thumb_cmc;
+    let thumb_cmc_44 = thumb_cmc_38
+        + neg_mul_add(thumb_cmc_25, cos_thumb_cmc * thumb_cmc_43, thumb_cmc_42);
+    let thumb_ab_1 = mul_add(
+        L::splat(2.0),
+        thumb_cmc_5 * thumb_cmc_4,
+        neg_mul_add(thumb_cmc_1, thumb_cmc_37, L::splat(4.713620468787495e-6)),
+    );
+    let thumb_ab_2 = mul_add(
+        L::splat(2.0),
+        thumb_cmc_8 * (thumb_cmc_28 + thumb_cmc_4),
+        neg_mul_add(sin_thumb_cmc, thumb_cmc_43, L::splat(2.4716829370349116e-5)),
+    );
+    let thumb_ab_3 = neg_mul_add(
+        thumb_cmc_11,
+        thumb_cmc_24,
+        L::splat(4.1521036586242944e-7),
+    ) + (L::splat(3.180643293651146e-5) + thumb_ab_2 + thumb_ab_1);
+    momentum[0] = v_thumb_ab * thumb_ab_3;
     let index_fdp_1 = L::splat(0.012) * sin_thumb_cmc;
-    let thumb_epl_3 = mul_add(L::splat(0.004), cos_thumb_cmc, index_fdp_1);
-    let thumb_epl_4 = thumb_epl_3 + thumb_epl_2;
-    let thumb_epl_5 = L::splat(0.004) * sin_thumb_ab;
-    let thumb_epl_6 = neg_mul_add(L::splat(0.008), cos_thumb_ab, thumb_epl_5);
-    let thumb_epl_7 = L::splat(-0.008) - thumb_epl_6;
     let index_fdp_2 = L::splat(0.012) * cos_thumb_cmc;
-    let thumb_epl_8 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, index_fdp_2);
-    let thumb_epl_9 = L::splat(-0.012) + thumb_epl_8;
-    let thumb_epl_10 = mul_add(
-        thumb_epl_9,
-        thumb_epl_9,
-        mul_add(thumb_epl_7, thumb_epl_7, thumb_epl_4 * thumb_epl_4),
-    );
-    let thumb_epl_11 = sqrt(thumb_epl_10);
-    let thumb_epl_12 = L::splat(1.0) / thumb_epl_11;
-    let thumb_epl_13 = sqrt(
-        L::splat(0.00025309000000000003)
-            - neg_mul_add(
-                L::splat(0.0001034),
-                sin_thumb_mcp,
-                L::splat(0.00023099999999999998) * cos_thumb_mcp,
-            ),
-    );
-    let thumb_epl_14 = sqrt(
-        L::splat(0.00021066000000000002)
-            - neg_mul_add(
-                L::splat(9.200000000000003e-5),
-                sin_thumb_ip,
-                L::splat(0.0001895) * cos_thumb_ip,
-            ),
-    );
-    let thumb_epl_15 = c_2
-        * (thumb_epl_13 + (L::splat(0.10924140044546013) + thumb_epl_11) + thumb_epl_14
-            - rest_thumb_epl);
-    let thumb_epl_16 = thumb_epl_15
-        * (mul_add(thumb_epl_7, thumb_epl_2, thumb_epl_6 * thumb_epl_4) * thumb_epl_12);
-    let thumb_fpl_1 = mul_add(
-        L::splat(0.003),
-        sin_thumb_ab,
-        L::splat(0.008000000000000002) * cos_thumb_ab,
-    );
-    let thumb_fpl_2 = index_fdp_2 - index_fdp_1;
-    let thumb_fpl_3 = thumb_fpl_2 + thumb_fpl_1;
-    let thumb_fpl_4 = neg_mul_add(
-        L::splat(0.003),
+    let thumb_fpl_1 = index_fdp_2 - index_fdp_1;
+    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
+    let thumb_fpl_2 = mul_add(
+        L::splat(0.008000000000000004),
         cos_thumb_ab,
-        L::splat(0.008000000000000002) * sin_thumb_ab,
+        L::splat(0.0029999999999999996) * sin_thumb_ab,
+    );
+    let thumb_fpl_3 = thumb_fpl_2 + thumb_fpl_1;
+    let thumb_fpl_4 = mul_sub(
+        L::splat(0.008000000000000004),
+        sin_thumb_ab,
+        L::splat(0.0029999999999999996) * cos_thumb_ab,
     );
     let thumb_fpl_5 = L::splat(-0.002) - thumb_fpl_4;
     let thumb_fpl_6 = index_fdp_2 + index_fdp_1;
@@ -174,17 +179,16 @@ pub fn evaluate<L: Lane>(
         thumb_fpl_7,
         mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_5 * thumb_fpl_5),
     );
-    let thumb_fpl_9 = sqrt(thumb_fpl_8);
-    let thumb_fpl_10 = L::splat(1.0) / thumb_fpl_9;
-    let thumb_fpl_11 = sqrt(
+    let (thumb_fpl_9, thumb_fpl_10) = sqrt_recip(thumb_fpl_8);
+    let (thumb_fpl_11, thumb_fpl_12) = sqrt_recip(
         L::splat(0.00042100000000000004)
             - mul_add(
-                L::splat(0.00042),
-                sin_thumb_mcp,
-                L::splat(1.9999999999999944e-5) * cos_thumb_mcp,
+                L::splat(1.9999999999999944e-5),
+                cos_thumb_mcp,
+                L::splat(0.00042) * sin_thumb_mcp,
             ),
     );
-    let thumb_fpl_12 = sqrt(
+    let (thumb_fpl_13, thumb_fpl_14) = sqrt_recip(
         L::splat(0.00030115999999999997)
             - neg_mul_add(
                 L::splat(9.599999999999962e-6),
@@ -192,96 +196,201 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.00029759999999999997) * sin_thumb_ip,
             ),
     );
-    let thumb_fpl_13 = c_1
-        * (thumb_fpl_12 + (thumb_fpl_11 + (L::splat(0.0774786774042295) + thumb_fpl_9))
+    let thumb_fpl_15 = c_0
+        * (L::splat(0.0774786774042295) + thumb_fpl_9 + thumb_fpl_11 + thumb_fpl_13
             - rest_thumb_fpl);
-    let thumb_ab_15 = mul_add(
-        thumb_fpl_13,
-        mul_add(thumb_fpl_1, thumb_fpl_5, thumb_fpl_3 * thumb_fpl_4) * thumb_fpl_10,
+    let thumb_cmc_45 = mul_add(
+        thumb_fpl_10 * mul_add(thumb_fpl_6, thumb_fpl_3, thumb_fpl_1 * thumb_fpl_7),
+        thumb_fpl_15,
+        thumb_cmc_44,
+    );
+    let thumb_mcp_1 = neg_mul_add(
+        thumb_fpl_12
+            * mul_sub(
+                L::splat(9.999999999999972e-6),
+                sin_thumb_mcp,
+                L::splat(0.00021) * cos_thumb_mcp,
+            ),
+        thumb_fpl_15,
+        thumb_cmc_38,
+    );
+    let thumb_ip_1 = mul_add(
+        thumb_fpl_14
+            * mul_add(
+                L::splat(4.799999999999981e-6),
+                sin_thumb_ip,
+                L::splat(0.00014879999999999998) * cos_thumb_ip,
+            ),
+        thumb_fpl_15,
+        thumb_cmc_26,
+    );
+    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, index_fdp_1);
+    let thumb_epl_2 = mul_add(
+        L::splat(0.004),
+        cos_thumb_ab,
+        L::splat(0.008) * sin_thumb_ab,
+    );
+    let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
+    let thumb_epl_4 = neg_mul_add(
+        L::splat(0.008),
+        cos_thumb_ab,
+        L::splat(0.004) * sin_thumb_ab,
+    );
+    let thumb_epl_5 = L::splat(-0.008) - thumb_epl_4;
+    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, index_fdp_2);
+    let thumb_epl_7 = L::splat(-0.012000000000000004) + thumb_epl_6;
+    let thumb_epl_8 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
+        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
+    );
+    let (thumb_epl_9, thumb_epl_10) = sqrt_recip(thumb_epl_8);
+    let (thumb_epl_11, thumb_epl_12) = sqrt_recip(
+        L::splat(0.00025309000000000003)
+            - mul_sub(
+                L::splat(0.00023099999999999998),
+                cos_thumb_mcp,
+                L::splat(0.0001034) * sin_thumb_mcp,
+            ),
+    );
+    let (thumb_epl_13, thumb_epl_14) = sqrt_recip(
+        L::splat(0.00021066000000000002)
+            - mul_sub(
+                L::splat(0.0001895),
+                cos_thumb_ip,
+                L::splat(9.200000000000003e-5) * sin_thumb_ip,
+            ),
+    );
+    let thumb_epl_15 = c_1
+        * (L::splat(0.10924140044546013) + thumb_epl_9 + thumb_epl_11 + thumb_epl_13
+            - rest_thumb_epl);
+    let thumb_epl_16 = thumb_epl_10
+        * mul_add(thumb_epl_2, thumb_epl_5, thumb_epl_4 * thumb_epl_3) * thumb_epl_15;
+    let thumb_ab_4 = mul_add(
+        thumb_fpl_10 * mul_add(thumb_fpl_2, thumb_fpl_5, thumb_fpl_4 * thumb_fpl_3),
+        thumb_fpl_15,
         thumb_epl_16,
     );
-    let thumb_epb_1 = mul_sub(L::splat(0.005000000000000003), sin_thumb_ab, thumb_epl_1);
-    let thumb_epb_2 = thumb_epl_3 - thumb_epb_1;
-    let thumb_epb_3 = mul_add(L::splat(0.005000000000000003), cos_thumb_ab, thumb_epl_5);
+    let thumb_epl_17 = thumb_epl_1 * thumb_epl_7;
+    let thumb_cmc_46 = neg_mul_add(
+        thumb_epl_10 * mul_sub(thumb_epl_6, thumb_epl_3, thumb_epl_17),
+        thumb_epl_15,
+        thumb_cmc_45,
+    );
+    let thumb_epl_18 = thumb_epl_12
+        * mul_add(
+            L::splat(0.00011549999999999999),
+            sin_thumb_mcp,
+            L::splat(5.17e-5) * cos_thumb_mcp,
+        );
+    let thumb_mcp_2 = neg_mul_add(thumb_epl_18, thumb_epl_15, thumb_mcp_1);
+    force[3] = neg_mul_add(
+        thumb_epl_14
+            * mul_add(
+                L::splat(9.475e-5),
+                sin_thumb_ip,
+                L::splat(4.6000000000000014e-5) * cos_thumb_ip,
+            ),
+        thumb_epl_15,
+        thumb_ip_1,
+    );
+    let thumb_epb_1 = neg_mul_add(
+        L::splat(0.003999999999999999),
+        cos_thumb_ab,
+        L::splat(0.005000000000000001) * sin_thumb_ab,
+    );
+    let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
+    let thumb_epb_3 = mul_add(
+        L::splat(0.005000000000000001),
+        cos_thumb_ab,
+        L::splat(0.003999999999999999) * sin_thumb_ab,
+    );
     let thumb_epb_4 = L::splat(0.005) - thumb_epb_3;
-    let thumb_epb_5 = L::splat(-0.012000000000000004) + thumb_epl_8;
-    let thumb_epb_6 = mul_add(
-        thumb_epb_5,
-        thumb_epb_5,
+    let thumb_epb_5 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
-    let thumb_epb_7 = sqrt(thumb_epb_6);
-    let thumb_epb_8 = L::splat(1.0) / thumb_epb_7;
-    let thumb_epb_9 = c_0
-        * (thumb_epl_13 + (L::splat(0.07536380062479958) + thumb_epb_7)
+    let (thumb_epb_6, thumb_epb_7) = sqrt_recip(thumb_epb_5);
+    let thumb_epb_8 = c_2
+        * (thumb_epl_11 + (L::splat(0.07536380062479958) + thumb_epb_6)
             - rest_thumb_epb);
-    let thumb_ab_16 = neg_mul_add(
-        thumb_epb_9,
-        neg_mul_add(thumb_epb_2, thumb_epb_3, thumb_epb_1 * thumb_epb_4) * thumb_epb_8,
-        thumb_ab_15,
+    let thumb_ab_5 = neg_mul_add(
+        thumb_epb_7 * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2),
+        thumb_epb_8,
+        thumb_ab_4,
     );
+    let thumb_cmc_47 = neg_mul_add(
+        thumb_epb_7 * mul_sub(thumb_epl_6, thumb_epb_2, thumb_epl_17),
+        thumb_epb_8,
+        thumb_cmc_46,
+    );
+    let thumb_mcp_3 = neg_mul_add(thumb_epl_18, thumb_epb_8, thumb_mcp_2);
     let thumb_apl_1 = neg_mul_add(
         L::splat(0.007000000000000001),
         cos_thumb_ab,
-        L::splat(0.012000000000000002) * sin_thumb_ab,
+        L::splat(0.012000000000000004) * sin_thumb_ab,
     );
     let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-        L::splat(0.007000000000000001),
-        sin_thumb_ab,
-        L::splat(0.012000000000000002) * cos_thumb_ab,
+        L::splat(0.012000000000000004),
+        cos_thumb_ab,
+        L::splat(0.007000000000000001) * sin_thumb_ab,
     );
     let thumb_apl_6 = L::splat(0.012) - thumb_apl_5;
     let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = L::splat(-0.005000000000000003) + thumb_apl_8;
+    let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
-    let thumb_apl_11 = sqrt(thumb_apl_10);
-    let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
-    let thumb_apl_13 = c_0
+    let (thumb_apl_11, thumb_apl_12) = sqrt_recip(thumb_apl_10);
+    let thumb_apl_13 = c_2
         * (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl);
-    let thumb_ab_17 = neg_mul_add(
+    let thumb_ab_6 = neg_mul_add(
+        thumb_apl_12 * mul_sub(thumb_apl_1, thumb_apl_6, thumb_apl_5 * thumb_apl_4),
         thumb_apl_13,
-        neg_mul_add(thumb_apl_4, thumb_apl_5, thumb_apl_1 * thumb_apl_6) * thumb_apl_12,
-        thumb_ab_16,
+        thumb_ab_5,
+    );
+    let thumb_cmc_48 = neg_mul_add(
+        thumb_apl_12 * mul_sub(thumb_apl_8, thumb_apl_4, thumb_apl_3 * thumb_apl_9),
+        thumb_apl_13,
+        thumb_cmc_47,
     );
     let thumb_apb_1 = neg_mul_add(
         L::splat(0.00874910502142235),
         cos_thumb_ab,
-        L::splat(0.003271760106466038) * sin_thumb_ab,
+        L::splat(0.003271760106466037) * sin_thumb_ab,
     );
-    let thumb_apb_2 = neg_mul_add(
-        L::splat(0.007),
-        sin_thumb_cmc,
-        L::splat(0.03) * cos_thumb_cmc,
+    let thumb_apb_2 = mul_sub(
+        L::splat(0.03),
+        cos_thumb_cmc,
+        L::splat(0.007) * sin_thumb_cmc,
     );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-        L::splat(0.00874910502142235),
-        sin_thumb_ab,
-        L::splat(0.003271760106466038) * cos_thumb_ab,
+        L::splat(0.003271760106466037),
+        cos_thumb_ab,
+        L::splat(0.00874910502142235) * sin_thumb_ab,
     );
     let thumb_apb_5 = L::splat(0.009) - thumb_apb_4;
     let thumb_apb_6 = mul_add(
-        L::splat(0.03),
-        sin_thumb_cmc,
-        L::splat(0.007) * cos_thumb_cmc,
+        L::splat(0.007),
+        cos_thumb_cmc,
+        L::splat(0.03) * sin_thumb_cmc,
     );
-    let thumb_apb_7 = L::splat(0.013294688681193689) - thumb_apb_6;
+    let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
-        mul_add(thumb_apb_5, thumb_apb_5, thumb_apb_3 * thumb_apb_3),
+        mul_add(thumb_apb_3, thumb_apb_3, thumb_apb_5 * thumb_apb_5),
     );
-    let thumb_apb_9 = sqrt(thumb_apb_8);
-    let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
-    let thumb_apb_11 = sqrt(
+    let (thumb_apb_9, thumb_apb_10) = sqrt_recip(thumb_apb_8);
+    let (thumb_apb_11, thumb_apb_12) = sqrt_recip(
         L::splat(0.00020423999999999998)
             - neg_mul_add(
                 L::splat(5.919999999999999e-5),
@@ -289,27 +398,41 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.0001944) * sin_thumb_mcp,
             ),
     );
-    let thumb_apb_12 = c_0
-        * (thumb_apb_11 + (L::splat(0.008062257748298557) + thumb_apb_9)
-            - rest_thumb_apb);
-    let thumb_ab_18 = neg_mul_add(
-        thumb_apb_12,
-        neg_mul_add(thumb_apb_4, thumb_apb_3, thumb_apb_5 * thumb_apb_1) * thumb_apb_10,
-        thumb_ab_17,
+    let thumb_apb_13 = c_2
+        * (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_11 - rest_thumb_apb);
+    let thumb_ab_7 = neg_mul_add(
+        thumb_apb_10 * mul_sub(thumb_apb_1, thumb_apb_5, thumb_apb_4 * thumb_apb_3),
+        thumb_apb_13,
+        thumb_ab_6,
     );
-    let thumb_opp_1 = mul_add(
-        L::splat(0.0004652729262143015),
-        sin_thumb_ab,
-        L::splat(0.009538977305795334) * cos_thumb_ab,
+    let thumb_cmc_49 = mul_add(
+        thumb_apb_10 * mul_add(thumb_apb_6, thumb_apb_3, thumb_apb_2 * thumb_apb_7),
+        thumb_apb_13,
+        thumb_cmc_48,
     );
-    let thumb_opp_2 = neg_mul_add(
+    let thumb_mcp_4 = mul_add(
+        thumb_apb_12
+            * mul_add(
+                L::splat(2.9599999999999994e-5),
+                sin_thumb_mcp,
+                L::splat(9.72e-5) * cos_thumb_mcp,
+            ),
+        thumb_apb_13,
+        thumb_mcp_3,
+    );
+    let thumb_opp_1 = neg_mul_add(
         L::splat(0.01),
         sin_thumb_cmc,
         L::splat(0.028) * cos_thumb_cmc,
     );
+    let thumb_opp_2 = mul_add(
+        L::splat(0.009538977305795334),
+        cos_thumb_ab,
+        L::splat(0.00046527292621430325) * sin_thumb_ab,
+    );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        L::splat(0.0004652729262143015),
+        L::splat(0.00046527292621430325),
         cos_thumb_ab,
         L::splat(0.009538977305795334) * sin_thumb_ab,
     );
@@ -325,18 +448,22 @@ pub fn evaluate<L: Lane>(
         thumb_opp_7,
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
-    let thumb_opp_9 = sqrt(thumb_opp_8);
-    let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
-    let thumb_opp_11 = c_0 * (thumb_opp_9 - rest_thumb_opp);
-    let thumb_ab_19 = mul_add(
+    let (thumb_opp_9, thumb_opp_10) = sqrt_recip(thumb_opp_8);
+    let thumb_opp_11 = c_2 * (thumb_opp_9 - rest_thumb_opp);
+    let thumb_ab_8 = mul_add(
+        thumb_opp_10 * mul_add(thumb_opp_2, thumb_opp_5, thumb_opp_4 * thumb_opp_3),
         thumb_opp_11,
-        mul_add(thumb_opp_1, thumb_opp_5, thumb_opp_3 * thumb_opp_4) * thumb_opp_10,
-        thumb_ab_18,
+        thumb_ab_7,
     );
-    let thumb_adp_1 = neg_mul_add(
-        L::splat(0.029821276684971587),
-        sin_thumb_ab,
-        L::splat(0.025486067515228545) * cos_thumb_ab,
+    let thumb_cmc_50 = mul_add(
+        thumb_opp_10 * mul_add(thumb_opp_6, thumb_opp_3, thumb_opp_1 * thumb_opp_7),
+        thumb_opp_11,
+        thumb_cmc_49,
+    );
+    let thumb_adp_1 = mul_sub(
+        L::splat(0.025486067515228545),
+        cos_thumb_ab,
+        L::splat(0.029821276684971594) * sin_thumb_ab,
     );
     let thumb_adp_2 = mul_sub(
         L::splat(0.038000000000000006),
@@ -345,9 +472,9 @@ pub fn evaluate<L: Lane>(
     );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-        L::splat(0.025486067515228545),
-        sin_thumb_ab,
-        L::splat(0.029821276684971587) * cos_thumb_ab,
+        L::splat(0.029821276684971594),
+        cos_thumb_ab,
+        L::splat(0.025486067515228545) * sin_thumb_ab,
     );
     let thumb_adp_5 = L::splat(-0.009) + thumb_adp_4;
     let thumb_adp_6 = mul_add(
@@ -355,15 +482,14 @@ pub fn evaluate<L: Lane>(
         sin_thumb_cmc,
         thumb_apl_2,
     );
-    let thumb_adp_7 = L::splat(0.040658969729785124) - thumb_adp_6;
+    let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
-    let thumb_adp_9 = sqrt(thumb_adp_8);
-    let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
-    let thumb_adp_11 = sqrt(
+    let (thumb_adp_9, thumb_adp_10) = sqrt_recip(thumb_adp_8);
+    let (thumb_adp_11, thumb_adp_12) = sqrt_recip(
         L::splat(0.00019224000000000004)
             - neg_mul_add(
                 L::splat(7.12e-5),
@@ -371,126 +497,26 @@ pub fn evaluate<L: Lane>(
                 L::splat(0.000178) * sin_thumb_mcp,
             ),
     );
-    let thumb_adp_12 = c_0 * (thumb_adp_11 + thumb_adp_9 - rest_thumb_adp);
+    let thumb_adp_13 = c_2 * (thumb_adp_9 + thumb_adp_11 - rest_thumb_adp);
     force[0] = neg_mul_add(
-        thumb_adp_12,
-        thumb_adp_10 * mul_add(thumb_adp_3, thumb_adp_4, thumb_adp_1 * thumb_adp_5),
-        thumb_ab_19,
-    );
-    let thumb_cmc_23 = v_thumb_ab * thumb_ab_4;
-    let thumb_cmc_24 = neg_mul_add(
-        thumb_cmc_23,
-        v_thumb_ab * thumb_cmc_6,
-        neg_mul_add(thumb_cmc_3, thumb_cmc_14, thumb_cmc_5 * thumb_cmc_12),
-    );
-    let thumb_cmc_25 = v_thumb_ab * thumb_ab_9;
-    let thumb_cmc_26 = neg_mul_add(
-        thumb_cmc_25,
-        v_thumb_ab * thumb_cmc_8,
-        neg_mul_add(thumb_cmc_20, thumb_cmc_7, thumb_cmc_18 * thumb_cmc_10),
-    );
-    let thumb_cmc_27 = v_thumb_ab * v_thumb_ab;
-    let thumb_cmc_28 = neg_mul_add(
-        v_thumb_ab * thumb_cmc_4,
-        mul_add(v_thumb_ab, thumb_ab_5, thumb_cmc_25),
-        neg_mul_add(thumb_cmc_5, thumb_cmc_13, thumb_cmc_3 * thumb_cmc_15),
-    );
-    let thumb_cmc_29 = neg_mul_add(thumb_cmc_27, thumb_ab_3 * thumb_ab_13, thumb_cmc_28);
-    let thumb_cmc_30 = thumb_cmc_29
-        + neg_mul_add(
-            thumb_cmc_27,
-            thumb_ab_2 * thumb_ab_6,
-            thumb_cmc_24 + thumb_cmc_26,
-        );
-    let thumb_cmc_31 = neg_mul_add(
-        v_thumb_ab * thumb_cmc_9,
-        mul_add(v_thumb_ab, thumb_ab_8, thumb_cmc_23),
-        neg_mul_add(thumb_cmc_19, thumb_cmc_10, thumb_cmc_21 * thumb_cmc_7),
-    );
-    let thumb_cmc_32 = mul_add(
-        thumb_fpl_13,
-        thumb_fpl_10 * mul_add(thumb_fpl_3, thumb_fpl_6, thumb_fpl_2 * thumb_fpl_7),
-        neg_mul_add(thumb_cmc_27, cos_thumb_cmc * thumb_ab_10, thumb_cmc_31)
-            + thumb_cmc_30,
-    );
-    let thumb_cmc_33 = neg_mul_add(
-        thumb_epl_15,
-        thumb_epl_12 * neg_mul_add(thumb_epl_3, thumb_epl_9, thumb_epl_8 * thumb_epl_4),
-        thumb_cmc_32,
-    );
-    let thumb_cmc_34 = neg_mul_add(
-        thumb_epb_9,
-        thumb_epb_8 * neg_mul_add(thumb_epb_5, thumb_epl_3, thumb_epl_8 * thumb_epb_2),
-        thumb_cmc_33,
-    );
-    let thumb_cmc_35 = neg_mul_add(
-        thumb_apl_13,
-        thumb_apl_12 * neg_mul_add(thumb_apl_9, thumb_apl_3, thumb_apl_8 * thumb_apl_4),
-        thumb_cmc_34,
-    );
-    let thumb_cmc_36 = mul_add(
-        thumb_apb_12,
-        thumb_apb_10 * mul_add(thumb_apb_2, thumb_apb_7, thumb_apb_3 * thumb_apb_6),
-        thumb_cmc_35,
-    );
-    let thumb_cmc_37 = mul_add(
-        thumb_opp_11,
-        thumb_opp_10 * mul_add(thumb_opp_3, thumb_opp_6, thumb_opp_2 * thumb_opp_7),
-        thumb_cmc_36,
+        thumb_adp_10 * mul_add(thumb_adp_1, thumb_adp_5, thumb_adp_4 * thumb_adp_3),
+        thumb_adp_13,
+        thumb_ab_8,
     );
     force[1] = mul_add(
-        thumb_adp_12,
-        thumb_adp_10 * mul_add(thumb_adp_2, thumb_adp_7, thumb_adp_3 * thumb_adp_6),
-        thumb_cmc_37,
-    );
-    let thumb_fpl_14 = neg_mul_add(
-        L::splat(0.00021),
-        cos_thumb_mcp,
-        L::splat(9.999999999999972e-6) * sin_thumb_mcp,
-    ) / thumb_fpl_11;
-    let thumb_epl_17 = mul_add(
-        L::splat(0.00011549999999999999),
-        sin_thumb_mcp,
-        L::splat(5.17e-5) * cos_thumb_mcp,
-    ) / thumb_epl_13;
-    let thumb_mcp_1 = neg_mul_add(
-        thumb_epb_9,
-        thumb_epl_17,
-        neg_mul_add(
-            thumb_epl_15,
-            thumb_epl_17,
-            neg_mul_add(thumb_fpl_13, thumb_fpl_14, thumb_cmc_30),
-        ),
-    );
-    let thumb_apb_13 = mul_add(
-        L::splat(2.9599999999999994e-5),
-        sin_thumb_mcp,
-        L::splat(9.72e-5) * cos_thumb_mcp,
-    ) / thumb_apb_11;
-    let thumb_adp_13 = mul_add(
-        L::splat(3.56e-5),
-        sin_thumb_mcp,
-        L::splat(8.9e-5) * cos_thumb_mcp,
-    ) / thumb_adp_11;
-    force[2] = mul_add(
-        thumb_adp_12,
+        thumb_adp_10 * mul_add(thumb_adp_6, thumb_adp_3, thumb_adp_2 * thumb_adp_7),
         thumb_adp_13,
-        mul_add(thumb_apb_12, thumb_apb_13, thumb_mcp_1),
+        thumb_cmc_50,
     );
-    let thumb_fpl_15 = mul_add(
-        L::splat(0.00014879999999999998),
-        cos_thumb_ip,
-        L::splat(4.799999999999981e-6) * sin_thumb_ip,
-    ) / thumb_fpl_12;
-    let thumb_epl_18 = mul_add(
-        L::splat(4.6000000000000014e-5),
-        cos_thumb_ip,
-        L::splat(9.475e-5) * sin_thumb_ip,
-    ) / thumb_epl_14;
-    force[3] = neg_mul_add(
-        thumb_epl_15,
-        thumb_epl_18,
-        mul_add(thumb_fpl_13, thumb_fpl_15, thumb_cmc_29),
+    force[2] = mul_add(
+        thumb_adp_12
+            * mul_add(
+                L::splat(3.56e-5),
+                sin_thumb_mcp,
+                L::splat(8.9e-5) * cos_thumb_mcp,
+            ),
+        thumb_adp_13,
+        thumb_mcp_4,
     );
 }
 
@@ -502,7 +528,7 @@ pub fn evaluate<L: Lane>(
 ///
 /// Strands: `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-/// 832 operations: 132 sums, 257 products, 206 products with sum, 14 divisions, 13 roots, 4 sines and cosines.
+/// 832 operations: 131 sums, 258 products, 206 products with sum, 14 divisions, 13 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn evaluate_with_matrix<L: Lane>(
     q: &[L; 4],
@@ -533,128 +559,21 @@ pub fn evaluate_with_matrix<L: Lane>(
     let c_0 = L::load(&constants[0 * L::WIDTH..]);
     let c_1 = L::load(&constants[1 * L::WIDTH..]);
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
-    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_ab_1 = mul_add(
-        sin_thumb_cmc,
-        cos_thumb_mcp,
-        cos_thumb_cmc * sin_thumb_mcp,
-    );
-    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_ab_2 = mul_sub(
-        cos_thumb_cmc,
-        cos_thumb_mcp,
-        sin_thumb_cmc * sin_thumb_mcp,
-    );
-    let thumb_ab_3 = mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
-    let thumb_ab_4 = L::splat(6.59048003551084e-5) * thumb_ab_3;
-    let thumb_ab_5 = L::splat(0.0316) * thumb_ab_2;
-    let thumb_ab_6 = thumb_ab_4 * thumb_ab_5;
-    let thumb_ab_7 = L::splat(9.42724093757499e-6) * thumb_ab_1;
-    let thumb_ab_8 = neg_mul_add(thumb_ab_1, thumb_ab_7, L::splat(4.713620468787495e-6));
-    let thumb_ab_9 = L::splat(0.00036448271648406014) * thumb_ab_2;
-    let thumb_ab_10 = thumb_ab_4 + thumb_ab_9;
-    let thumb_ab_11 = L::splat(0.046200000000000005) * cos_thumb_cmc;
-    let thumb_ab_12 = L::splat(4.943365874069823e-5) * sin_thumb_cmc;
-    let thumb_ab_13 = neg_mul_add(
-        sin_thumb_cmc,
-        thumb_ab_12,
-        L::splat(2.4716829370349116e-5),
-    );
-    let thumb_ab_14 = mul_add(L::splat(2.0), thumb_ab_6, thumb_ab_8)
-        + (L::splat(3.180643293651146e-5)
-            + mul_add(L::splat(2.0), thumb_ab_10 * thumb_ab_11, thumb_ab_13));
-    let thumb_ab_15 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
-    let thumb_ab_16 = L::splat(8.304207317248589e-7) * thumb_ab_15;
-    let thumb_ab_17 = neg_mul_add(
-        thumb_ab_15,
-        thumb_ab_16,
-        L::splat(4.1521036586242944e-7),
-    );
-    let thumb_ab_18 = thumb_ab_14 + thumb_ab_17;
-    momentum[0] = v_thumb_ab * thumb_ab_18;
-    let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
-    let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
-    let thumb_cmc_3 = thumb_cmc_2 * thumb_ab_4;
-    let thumb_cmc_4 = L::splat(6.59048003551084e-5) * thumb_ab_15;
-    let thumb_cmc_5 = thumb_cmc_2 * thumb_cmc_4;
-    let thumb_cmc_6 = L::splat(0.0316) * thumb_ab_1;
-    let thumb_cmc_7 = v_thumb_cmc * thumb_ab_11;
-    let thumb_cmc_8 = L::splat(0.00036448271648406014) * thumb_ab_1;
-    let thumb_cmc_9 = L::splat(0.046200000000000005) * sin_thumb_cmc;
-    let thumb_cmc_10 = v_thumb_cmc * thumb_cmc_9;
-    let thumb_cmc_11 = mul_add(thumb_cmc_8, thumb_cmc_10, thumb_ab_9 * thumb_cmc_7)
-        + mul_add(thumb_cmc_5, thumb_cmc_6, thumb_ab_5 * thumb_cmc_3);
-    let thumb_cmc_12 = thumb_cmc_1 * thumb_ab_5;
-    let thumb_cmc_13 = thumb_cmc_12 + thumb_cmc_7;
-    let thumb_cmc_14 = thumb_cmc_1 * thumb_cmc_6;
-    let thumb_cmc_15 = thumb_cmc_10 + thumb_cmc_14;
-    let thumb_cmc_16 = mul_add(
-        L::splat(1.0764248252162773e-6),
-        thumb_cmc_2,
-        mul_add(thumb_cmc_4, thumb_cmc_15, thumb_ab_4 * thumb_cmc_13),
-    );
-    let thumb_cmc_17 = thumb_cmc_16
-        + mul_add(L::splat(9.973249740768897e-6), thumb_cmc_1, thumb_cmc_11);
-    let thumb_cmc_18 = thumb_cmc_1 * thumb_ab_9;
-    let thumb_cmc_19 = thumb_cmc_3 + thumb_cmc_18;
-    let thumb_cmc_20 = thumb_cmc_1 * thumb_cmc_8;
-    let thumb_cmc_21 = thumb_cmc_5 + thumb_cmc_20;
-    let thumb_cmc_22 = mul_add(
-        L::splat(5.060241857552533e-5),
-        v_thumb_cmc,
-        mul_add(thumb_cmc_9, thumb_cmc_21, thumb_ab_11 * thumb_cmc_19),
-    );
-    momentum[1] = thumb_cmc_22 + thumb_cmc_17;
-    momentum[2] = thumb_cmc_17;
-    momentum[3] = thumb_cmc_16;
-    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_epl_1 = L::splat(0.004) * cos_thumb_ab;
-    let thumb_epl_2 = mul_add(L::splat(0.008), sin_thumb_ab, thumb_epl_1);
     let index_fdp_1 = L::splat(0.012) * sin_thumb_cmc;
-    let thumb_epl_3 = mul_add(L::splat(0.004), cos_thumb_cmc, index_fdp_1);
-    let thumb_epl_4 = thumb_epl_3 + thumb_epl_2;
-    let thumb_epl_5 = L::splat(0.004) * sin_thumb_ab;
-    let thumb_epl_6 = neg_mul_add(L::splat(0.008), cos_thumb_ab, thumb_epl_5);
-    let thumb_epl_7 = L::splat(-0.008) - thumb_epl_6;
     let index_fdp_2 = L::splat(0.012) * cos_thumb_cmc;
-    let thumb_epl_8 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, index_fdp_2);
-    let thumb_epl_9 = L::splat(-0.012) + thumb_epl_8;
-    let thumb_epl_10 = mul_add(
-        thumb_epl_9,
-        thumb_epl_9,
-        mul_add(thumb_epl_7, thumb_epl_7, thumb_epl_4 * thumb_epl_4),
-    );
-    let thumb_epl_11 = sqrt(thumb_epl_10);
-    let thumb_epl_12 = L::splat(1.0) / thumb_epl_11;
-    let thumb_epl_13 = mul_add(thumb_epl_7, thumb_epl_2, thumb_epl_6 * thumb_epl_4)
-        * thumb_epl_12;
-    let thumb_epl_14 = neg_mul_add(
-        L::splat(0.0001034),
-        sin_thumb_mcp,
-        L::splat(0.00023099999999999998) * cos_thumb_mcp,
-    );
-    let thumb_epl_15 = sqrt(L::splat(0.00025309000000000003) - thumb_epl_14);
-    let thumb_epl_16 = neg_mul_add(
-        L::splat(9.200000000000003e-5),
-        sin_thumb_ip,
-        L::splat(0.0001895) * cos_thumb_ip,
-    );
-    let thumb_epl_17 = sqrt(L::splat(0.00021066000000000002) - thumb_epl_16);
-    let thumb_epl_18 = c_2
-        * (thumb_epl_15 + (L::splat(0.10924140044546013) + thumb_epl_11) + thumb_epl_17
-            - rest_thumb_epl);
-    let thumb_fpl_1 = mul_add(
-        L::splat(0.003),
-        sin_thumb_ab,
-        L::splat(0.008000000000000002) * cos_thumb_ab,
-    );
-    let thumb_fpl_2 = index_fdp_2 - index_fdp_1;
-    let thumb_fpl_3 = thumb_fpl_2 + thumb_fpl_1;
-    let thumb_fpl_4 = neg_mul_add(
-        L::splat(0.003),
+    let thumb_fpl_1 = index_fdp_2 - index_fdp_1;
+    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
+    let thumb_fpl_2 = mul_add(
+        L::splat(0.008000000000000004),
         cos_thumb_ab,
-        L::splat(0.008000000000000002) * sin_thumb_ab,
+        L::splat(0.0029999999999999996) * sin_thumb_ab,
+    );
+    let thumb_fpl_3 = thumb_fpl_2 + thumb_fpl_1;
+    let thumb_fpl_4 = mul_sub(
+        L::splat(0.008000000000000004),
+        sin_thumb_ab,
+        L::splat(0.0029999999999999996) * cos_thumb_ab,
     );
     let thumb_fpl_5 = L::splat(-0.002) - thumb_fpl_4;
     let thumb_fpl_6 = index_fdp_2 + index_fdp_1;
@@ -664,129 +583,355 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_fpl_7,
         mul_add(thumb_fpl_3, thumb_fpl_3, thumb_fpl_5 * thumb_fpl_5),
     );
-    let thumb_fpl_9 = sqrt(thumb_fpl_8);
-    let thumb_fpl_10 = L::splat(1.0) / thumb_fpl_9;
-    let thumb_fpl_11 = mul_add(thumb_fpl_1, thumb_fpl_5, thumb_fpl_3 * thumb_fpl_4)
-        * thumb_fpl_10;
-    let thumb_fpl_12 = mul_add(
-        L::splat(0.00042),
-        sin_thumb_mcp,
-        L::splat(1.9999999999999944e-5) * cos_thumb_mcp,
+    let (thumb_fpl_9, thumb_fpl_10) = sqrt_recip(thumb_fpl_8);
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let thumb_fpl_11 = mul_add(
+        L::splat(1.9999999999999944e-5),
+        cos_thumb_mcp,
+        L::splat(0.00042) * sin_thumb_mcp,
     );
-    let thumb_fpl_13 = sqrt(L::splat(0.00042100000000000004) - thumb_fpl_12);
+    let (thumb_fpl_12, thumb_fpl_13) = sqrt_recip(
+        L::splat(0.00042100000000000004) - thumb_fpl_11,
+    );
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
     let thumb_fpl_14 = neg_mul_add(
         L::splat(9.599999999999962e-6),
         cos_thumb_ip,
         L::splat(0.00029759999999999997) * sin_thumb_ip,
     );
-    let thumb_fpl_15 = sqrt(L::splat(0.00030115999999999997) - thumb_fpl_14);
-    let thumb_fpl_16 = c_1
-        * (thumb_fpl_15 + (thumb_fpl_13 + (L::splat(0.0774786774042295) + thumb_fpl_9))
+    let (thumb_fpl_15, thumb_fpl_16) = sqrt_recip(
+        L::splat(0.00030115999999999997) - thumb_fpl_14,
+    );
+    let thumb_fpl_17 = c_0
+        * (L::splat(0.0774786774042295) + thumb_fpl_9 + thumb_fpl_12 + thumb_fpl_15
             - rest_thumb_fpl);
-    let thumb_epb_1 = mul_sub(L::splat(0.005000000000000003), sin_thumb_ab, thumb_epl_1);
-    let thumb_epb_2 = thumb_epl_3 - thumb_epb_1;
-    let thumb_epb_3 = mul_add(L::splat(0.005000000000000003), cos_thumb_ab, thumb_epl_5);
+    let index_fdp_3 = L::splat(0.25) * h;
+    let thumb_fpl_18 = index_fdp_3 * thumb_fpl_17;
+    let thumb_fpl_19 = thumb_fpl_10 * thumb_fpl_18;
+    let index_fdp_4 = index_fdp_3 * c_0;
+    let thumb_fpl_20 = index_fdp_4 - thumb_fpl_19;
+    let thumb_fpl_21 = thumb_fpl_10
+        * mul_add(thumb_fpl_2, thumb_fpl_5, thumb_fpl_4 * thumb_fpl_3);
+    let thumb_fpl_22 = thumb_fpl_2 * thumb_fpl_1;
+    let thumb_fpl_23 = mul_sub(
+        thumb_fpl_21,
+        thumb_fpl_21 * thumb_fpl_20,
+        mul_add(L::splat(0.002), thumb_fpl_4, thumb_fpl_22) * thumb_fpl_19,
+    );
+    let thumb_fpl_24 = thumb_fpl_10
+        * mul_add(thumb_fpl_6, thumb_fpl_3, thumb_fpl_1 * thumb_fpl_7);
+    let thumb_fpl_25 = thumb_fpl_24 * thumb_fpl_20;
+    let thumb_fpl_26 = mul_add(
+        thumb_fpl_21,
+        thumb_fpl_25,
+        thumb_fpl_4 * thumb_fpl_6 * thumb_fpl_19,
+    );
+    let thumb_fpl_27 = mul_add(
+        thumb_fpl_24,
+        thumb_fpl_25,
+        mul_sub(L::splat(0.012000000000000004), thumb_fpl_6, thumb_fpl_22) * thumb_fpl_19,
+    );
+    let thumb_fpl_28 = thumb_fpl_13 * thumb_fpl_18;
+    let thumb_fpl_29 = thumb_fpl_13
+        * mul_sub(
+            L::splat(9.999999999999972e-6),
+            sin_thumb_mcp,
+            L::splat(0.00021) * cos_thumb_mcp,
+        );
+    let thumb_fpl_30 = mul_add(
+        thumb_fpl_29,
+        thumb_fpl_29 * (index_fdp_4 - thumb_fpl_28),
+        L::splat(0.5) * thumb_fpl_11 * thumb_fpl_28,
+    );
+    let thumb_fpl_31 = thumb_fpl_16 * thumb_fpl_18;
+    let thumb_fpl_32 = thumb_fpl_16
+        * mul_add(
+            L::splat(4.799999999999981e-6),
+            sin_thumb_ip,
+            L::splat(0.00014879999999999998) * cos_thumb_ip,
+        );
+    let thumb_fpl_33 = mul_add(
+        thumb_fpl_32,
+        thumb_fpl_32 * (index_fdp_4 - thumb_fpl_31),
+        L::splat(0.5) * thumb_fpl_14 * thumb_fpl_31,
+    );
+    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, index_fdp_1);
+    let thumb_epl_2 = mul_add(
+        L::splat(0.004),
+        cos_thumb_ab,
+        L::splat(0.008) * sin_thumb_ab,
+    );
+    let thumb_epl_3 = thumb_epl_2 + thumb_epl_1;
+    let thumb_epl_4 = neg_mul_add(
+        L::splat(0.008),
+        cos_thumb_ab,
+        L::splat(0.004) * sin_thumb_ab,
+    );
+    let thumb_epl_5 = L::splat(-0.008) - thumb_epl_4;
+    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, index_fdp_2);
+    let thumb_epl_7 = L::splat(-0.012000000000000004) + thumb_epl_6;
+    let thumb_epl_8 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
+        mul_add(thumb_epl_3, thumb_epl_3, thumb_epl_5 * thumb_epl_5),
+    );
+    let (thumb_epl_9, thumb_epl_10) = sqrt_recip(thumb_epl_8);
+    let thumb_epl_11 = mul_sub(
+        L::splat(0.00023099999999999998),
+        cos_thumb_mcp,
+        L::splat(0.0001034) * sin_thumb_mcp,
+    );
+    let (thumb_epl_12, thumb_epl_13) = sqrt_recip(
+        L::splat(0.00025309000000000003) - thumb_epl_11,
+    );
+    let thumb_epl_14 = mul_sub(
+        L::splat(0.0001895),
+        cos_thumb_ip,
+        L::splat(9.200000000000003e-5) * sin_thumb_ip,
+    );
+    let (thumb_epl_15, thumb_epl_16) = sqrt_recip(
+        L::splat(0.00021066000000000002) - thumb_epl_14,
+    );
+    let thumb_epl_17 = c_1
+        * (L::splat(0.10924140044546013) + thumb_epl_9 + thumb_epl_12 + thumb_epl_15
+            - rest_thumb_epl);
+    let thumb_epl_18 = index_fdp_3 * thumb_epl_17;
+    let thumb_epl_19 = thumb_epl_10 * thumb_epl_18;
+    let index_edc_1 = index_fdp_3 * c_1;
+    let thumb_epl_20 = index_edc_1 - thumb_epl_19;
+    let thumb_epl_21 = thumb_epl_10
+        * mul_add(thumb_epl_2, thumb_epl_5, thumb_epl_4 * thumb_epl_3);
+    let thumb_epl_22 = thumb_epl_2 * thumb_epl_1;
+    let thumb_epl_23 = mul_sub(
+        thumb_epl_21,
+        thumb_epl_21 * thumb_epl_20,
+        mul_add(L::splat(0.008), thumb_epl_4, thumb_epl_22) * thumb_epl_19,
+    );
+    let thumb_epl_24 = thumb_epl_1 * thumb_epl_7;
+    let thumb_epl_25 = thumb_epl_10 * mul_sub(thumb_epl_6, thumb_epl_3, thumb_epl_24);
+    let thumb_epl_26 = thumb_epl_25 * thumb_epl_20;
+    let thumb_epl_27 = mul_add(
+        thumb_epl_21,
+        thumb_epl_26,
+        thumb_epl_4 * thumb_epl_6 * thumb_epl_19,
+    );
+    let thumb_epl_28 = mul_add(
+        thumb_epl_25,
+        thumb_epl_26,
+        mul_sub(L::splat(0.012000000000000004), thumb_epl_6, thumb_epl_22) * thumb_epl_19,
+    );
+    let thumb_epl_29 = thumb_epl_13 * thumb_epl_18;
+    let thumb_epl_30 = thumb_epl_13
+        * mul_add(
+            L::splat(0.00011549999999999999),
+            sin_thumb_mcp,
+            L::splat(5.17e-5) * cos_thumb_mcp,
+        );
+    let thumb_epl_31 = L::splat(0.5) * thumb_epl_11;
+    let thumb_epl_32 = mul_add(
+        thumb_epl_30,
+        thumb_epl_30 * (index_edc_1 - thumb_epl_29),
+        thumb_epl_31 * thumb_epl_29,
+    );
+    let thumb_epl_33 = thumb_epl_16 * thumb_epl_18;
+    let thumb_epl_34 = thumb_epl_16
+        * mul_add(
+            L::splat(9.475e-5),
+            sin_thumb_ip,
+            L::splat(4.6000000000000014e-5) * cos_thumb_ip,
+        );
+    let thumb_epl_35 = mul_add(
+        thumb_epl_34,
+        thumb_epl_34 * (index_edc_1 - thumb_epl_33),
+        L::splat(0.5) * thumb_epl_14 * thumb_epl_33,
+    );
+    let thumb_epb_1 = neg_mul_add(
+        L::splat(0.003999999999999999),
+        cos_thumb_ab,
+        L::splat(0.005000000000000001) * sin_thumb_ab,
+    );
+    let thumb_epb_2 = thumb_epl_1 - thumb_epb_1;
+    let thumb_epb_3 = mul_add(
+        L::splat(0.005000000000000001),
+        cos_thumb_ab,
+        L::splat(0.003999999999999999) * sin_thumb_ab,
+    );
     let thumb_epb_4 = L::splat(0.005) - thumb_epb_3;
-    let thumb_epb_5 = L::splat(-0.012000000000000004) + thumb_epl_8;
-    let thumb_epb_6 = mul_add(
-        thumb_epb_5,
-        thumb_epb_5,
+    let thumb_epb_5 = mul_add(
+        thumb_epl_7,
+        thumb_epl_7,
         mul_add(thumb_epb_2, thumb_epb_2, thumb_epb_4 * thumb_epb_4),
     );
-    let thumb_epb_7 = sqrt(thumb_epb_6);
-    let thumb_epb_8 = L::splat(1.0) / thumb_epb_7;
-    let thumb_epb_9 = neg_mul_add(thumb_epb_2, thumb_epb_3, thumb_epb_1 * thumb_epb_4)
-        * thumb_epb_8;
-    let thumb_epb_10 = c_0
-        * (thumb_epl_15 + (L::splat(0.07536380062479958) + thumb_epb_7)
+    let (thumb_epb_6, thumb_epb_7) = sqrt_recip(thumb_epb_5);
+    let thumb_epb_8 = c_2
+        * (thumb_epl_12 + (L::splat(0.07536380062479958) + thumb_epb_6)
             - rest_thumb_epb);
-    let thumb_ab_19 = neg_mul_add(
-        thumb_epb_10,
-        thumb_epb_9,
-        mul_add(thumb_fpl_16, thumb_fpl_11, thumb_epl_18 * thumb_epl_13),
+    let thumb_epb_9 = index_fdp_3 * thumb_epb_8;
+    let thumb_epb_10 = thumb_epb_7 * thumb_epb_9;
+    let index_interosseous_1 = index_fdp_3 * c_2;
+    let thumb_epb_11 = index_interosseous_1 - thumb_epb_10;
+    let thumb_epb_12 = thumb_epb_7
+        * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2);
+    let thumb_epb_13 = thumb_epl_1 * thumb_epb_1;
+    let thumb_epb_14 = mul_add(
+        thumb_epb_12,
+        thumb_epb_12 * thumb_epb_11,
+        mul_add(L::splat(0.005), thumb_epb_3, thumb_epb_13) * thumb_epb_10,
+    );
+    let thumb_epb_15 = thumb_epb_7 * mul_sub(thumb_epl_6, thumb_epb_2, thumb_epl_24);
+    let thumb_epb_16 = thumb_epb_15 * thumb_epb_11;
+    let thumb_epb_17 = mul_sub(
+        thumb_epb_12,
+        thumb_epb_16,
+        thumb_epl_6 * thumb_epb_3 * thumb_epb_10,
+    );
+    let thumb_epb_18 = mul_add(
+        thumb_epb_15,
+        thumb_epb_16,
+        mul_add(L::splat(0.012000000000000004), thumb_epl_6, thumb_epb_13) * thumb_epb_10,
+    );
+    let thumb_epb_19 = thumb_epl_13 * thumb_epb_9;
+    let thumb_epb_20 = mul_add(
+        thumb_epl_30,
+        thumb_epl_30 * (index_interosseous_1 - thumb_epb_19),
+        thumb_epl_31 * thumb_epb_19,
     );
     let thumb_apl_1 = neg_mul_add(
         L::splat(0.007000000000000001),
         cos_thumb_ab,
-        L::splat(0.012000000000000002) * sin_thumb_ab,
+        L::splat(0.012000000000000004) * sin_thumb_ab,
     );
     let thumb_apl_2 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_3 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_2);
     let thumb_apl_4 = thumb_apl_3 - thumb_apl_1;
     let thumb_apl_5 = mul_add(
-        L::splat(0.007000000000000001),
-        sin_thumb_ab,
-        L::splat(0.012000000000000002) * cos_thumb_ab,
+        L::splat(0.012000000000000004),
+        cos_thumb_ab,
+        L::splat(0.007000000000000001) * sin_thumb_ab,
     );
     let thumb_apl_6 = L::splat(0.012) - thumb_apl_5;
     let thumb_apl_7 = L::splat(0.006) * sin_thumb_cmc;
     let thumb_apl_8 = mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_7);
-    let thumb_apl_9 = L::splat(-0.005000000000000003) + thumb_apl_8;
+    let thumb_apl_9 = L::splat(-0.005) + thumb_apl_8;
     let thumb_apl_10 = mul_add(
         thumb_apl_9,
         thumb_apl_9,
         mul_add(thumb_apl_4, thumb_apl_4, thumb_apl_6 * thumb_apl_6),
     );
-    let thumb_apl_11 = sqrt(thumb_apl_10);
-    let thumb_apl_12 = L::splat(1.0) / thumb_apl_11;
-    let thumb_apl_13 = neg_mul_add(thumb_apl_4, thumb_apl_5, thumb_apl_1 * thumb_apl_6)
-        * thumb_apl_12;
-    let thumb_apl_14 = c_0
+    let (thumb_apl_11, thumb_apl_12) = sqrt_recip(thumb_apl_10);
+    let thumb_apl_13 = c_2
         * (L::splat(0.030550892117392127) + thumb_apl_11 - rest_thumb_apl);
+    let thumb_apl_14 = thumb_apl_12 * (index_fdp_3 * thumb_apl_13);
+    let thumb_apl_15 = index_interosseous_1 - thumb_apl_14;
+    let thumb_apl_16 = thumb_apl_12
+        * mul_sub(thumb_apl_1, thumb_apl_6, thumb_apl_5 * thumb_apl_4);
+    let thumb_apl_17 = thumb_apl_1 * thumb_apl_3;
+    let thumb_apl_18 = mul_add(
+        thumb_apl_16,
+        thumb_apl_16 * thumb_apl_15,
+        mul_add(L::splat(0.012), thumb_apl_5, thumb_apl_17) * thumb_apl_14,
+    );
+    let thumb_apl_19 = thumb_apl_12
+        * mul_sub(thumb_apl_8, thumb_apl_4, thumb_apl_3 * thumb_apl_9);
+    let thumb_apl_20 = thumb_apl_19 * thumb_apl_15;
+    let thumb_apl_21 = mul_sub(
+        thumb_apl_16,
+        thumb_apl_20,
+        thumb_apl_5 * thumb_apl_8 * thumb_apl_14,
+    );
+    let thumb_apl_22 = mul_add(
+        thumb_apl_19,
+        thumb_apl_20,
+        mul_add(L::splat(0.005), thumb_apl_8, thumb_apl_17) * thumb_apl_14,
+    );
     let thumb_apb_1 = neg_mul_add(
         L::splat(0.00874910502142235),
         cos_thumb_ab,
-        L::splat(0.003271760106466038) * sin_thumb_ab,
+        L::splat(0.003271760106466037) * sin_thumb_ab,
     );
-    let thumb_apb_2 = neg_mul_add(
-        L::splat(0.007),
-        sin_thumb_cmc,
-        L::splat(0.03) * cos_thumb_cmc,
+    let thumb_apb_2 = mul_sub(
+        L::splat(0.03),
+        cos_thumb_cmc,
+        L::splat(0.007) * sin_thumb_cmc,
     );
     let thumb_apb_3 = thumb_apb_2 - thumb_apb_1;
     let thumb_apb_4 = mul_add(
-        L::splat(0.00874910502142235),
-        sin_thumb_ab,
-        L::splat(0.003271760106466038) * cos_thumb_ab,
+        L::splat(0.003271760106466037),
+        cos_thumb_ab,
+        L::splat(0.00874910502142235) * sin_thumb_ab,
     );
     let thumb_apb_5 = L::splat(0.009) - thumb_apb_4;
     let thumb_apb_6 = mul_add(
-        L::splat(0.03),
-        sin_thumb_cmc,
-        L::splat(0.007) * cos_thumb_cmc,
+        L::splat(0.007),
+        cos_thumb_cmc,
+        L::splat(0.03) * sin_thumb_cmc,
     );
-    let thumb_apb_7 = L::splat(0.013294688681193689) - thumb_apb_6;
+    let thumb_apb_7 = L::splat(0.01329468868119369) - thumb_apb_6;
     let thumb_apb_8 = mul_add(
         thumb_apb_7,
         thumb_apb_7,
-        mul_add(thumb_apb_5, thumb_apb_5, thumb_apb_3 * thumb_apb_3),
+        mul_add(thumb_apb_3, thumb_apb_3, thumb_apb_5 * thumb_apb_5),
     );
-    let thumb_apb_9 = sqrt(thumb_apb_8);
-    let thumb_apb_10 = L::splat(1.0) / thumb_apb_9;
-    let thumb_apb_11 = neg_mul_add(thumb_apb_4, thumb_apb_3, thumb_apb_5 * thumb_apb_1)
-        * thumb_apb_10;
-    let thumb_apb_12 = neg_mul_add(
+    let (thumb_apb_9, thumb_apb_10) = sqrt_recip(thumb_apb_8);
+    let thumb_apb_11 = neg_mul_add(
         L::splat(5.919999999999999e-5),
         cos_thumb_mcp,
         L::splat(0.0001944) * sin_thumb_mcp,
     );
-    let thumb_apb_13 = sqrt(L::splat(0.00020423999999999998) - thumb_apb_12);
-    let thumb_apb_14 = c_0
-        * (thumb_apb_13 + (L::splat(0.008062257748298557) + thumb_apb_9)
-            - rest_thumb_apb);
-    let thumb_opp_1 = mul_add(
-        L::splat(0.0004652729262143015),
-        sin_thumb_ab,
-        L::splat(0.009538977305795334) * cos_thumb_ab,
+    let (thumb_apb_12, thumb_apb_13) = sqrt_recip(
+        L::splat(0.00020423999999999998) - thumb_apb_11,
     );
-    let thumb_opp_2 = neg_mul_add(
+    let thumb_apb_14 = c_2
+        * (L::splat(0.008062257748298557) + thumb_apb_9 + thumb_apb_12 - rest_thumb_apb);
+    let thumb_apb_15 = index_fdp_3 * thumb_apb_14;
+    let thumb_apb_16 = thumb_apb_10 * thumb_apb_15;
+    let thumb_apb_17 = index_interosseous_1 - thumb_apb_16;
+    let thumb_apb_18 = thumb_apb_10
+        * mul_sub(thumb_apb_1, thumb_apb_5, thumb_apb_4 * thumb_apb_3);
+    let thumb_apb_19 = thumb_apb_1 * thumb_apb_2;
+    let thumb_apb_20 = mul_add(
+        thumb_apb_18,
+        thumb_apb_18 * thumb_apb_17,
+        mul_add(L::splat(0.009), thumb_apb_4, thumb_apb_19) * thumb_apb_16,
+    );
+    let thumb_apb_21 = thumb_apb_10
+        * mul_add(thumb_apb_6, thumb_apb_3, thumb_apb_2 * thumb_apb_7);
+    let thumb_apb_22 = thumb_apb_21 * thumb_apb_17;
+    let thumb_apb_23 = neg_mul_add(
+        thumb_apb_18,
+        thumb_apb_22,
+        thumb_apb_4 * thumb_apb_6 * thumb_apb_16,
+    );
+    let thumb_apb_24 = mul_add(
+        thumb_apb_21,
+        thumb_apb_22,
+        mul_add(L::splat(0.01329468868119369), thumb_apb_6, thumb_apb_19) * thumb_apb_16,
+    );
+    let thumb_apb_25 = thumb_apb_13 * thumb_apb_15;
+    let thumb_apb_26 = thumb_apb_13
+        * mul_add(
+            L::splat(2.9599999999999994e-5),
+            sin_thumb_mcp,
+            L::splat(9.72e-5) * cos_thumb_mcp,
+        );
+    let thumb_apb_27 = mul_add(
+        thumb_apb_26,
+        thumb_apb_26 * (index_interosseous_1 - thumb_apb_25),
+        L::splat(0.5) * thumb_apb_11 * thumb_apb_25,
+    );
+    let thumb_opp_1 = neg_mul_add(
         L::splat(0.01),
         sin_thumb_cmc,
         L::splat(0.028) * cos_thumb_cmc,
     );
+    let thumb_opp_2 = mul_add(
+        L::splat(0.009538977305795334),
+        cos_thumb_ab,
+        L::splat(0.00046527292621430325) * sin_thumb_ab,
+    );
     let thumb_opp_3 = thumb_opp_2 + thumb_opp_1;
     let thumb_opp_4 = neg_mul_add(
-        L::splat(0.0004652729262143015),
+        L::splat(0.00046527292621430325),
         cos_thumb_ab,
         L::splat(0.009538977305795334) * sin_thumb_ab,
     );
@@ -802,24 +947,35 @@ pub fn evaluate_with_matrix<L: Lane>(
         thumb_opp_7,
         mul_add(thumb_opp_3, thumb_opp_3, thumb_opp_5 * thumb_opp_5),
     );
-    let thumb_opp_9 = sqrt(thumb_opp_8);
-    let thumb_opp_10 = L::splat(1.0) / thumb_opp_9;
-    let thumb_opp_11 = mul_add(thumb_opp_1, thumb_opp_5, thumb_opp_3 * thumb_opp_4)
-        * thumb_opp_10;
-    let thumb_opp_12 = c_0 * (thumb_opp_9 - rest_thumb_opp);
-    let thumb_ab_20 = mul_add(
-        thumb_opp_12,
-        thumb_opp_11,
-        neg_mul_add(
-            thumb_apb_14,
-            thumb_apb_11,
-            neg_mul_add(thumb_apl_14, thumb_apl_13, thumb_ab_19),
-        ),
+    let (thumb_opp_9, thumb_opp_10) = sqrt_recip(thumb_opp_8);
+    let thumb_opp_11 = c_2 * (thumb_opp_9 - rest_thumb_opp);
+    let thumb_opp_12 = thumb_opp_10 * (index_fdp_3 * thumb_opp_11);
+    let thumb_opp_13 = index_interosseous_1 - thumb_opp_12;
+    let thumb_opp_14 = thumb_opp_10
+        * mul_add(thumb_opp_2, thumb_opp_5, thumb_opp_4 * thumb_opp_3);
+    let thumb_opp_15 = thumb_opp_2 * thumb_opp_1;
+    let thumb_opp_16 = mul_add(
+        thumb_opp_14,
+        thumb_opp_14 * thumb_opp_13,
+        mul_sub(L::splat(0.004), thumb_opp_4, thumb_opp_15) * thumb_opp_12,
     );
-    let thumb_adp_1 = neg_mul_add(
-        L::splat(0.029821276684971587),
-        sin_thumb_ab,
-        L::splat(0.025486067515228545) * cos_thumb_ab,
+    let thumb_opp_17 = thumb_opp_10
+        * mul_add(thumb_opp_6, thumb_opp_3, thumb_opp_1 * thumb_opp_7);
+    let thumb_opp_18 = thumb_opp_17 * thumb_opp_13;
+    let thumb_opp_19 = mul_add(
+        thumb_opp_14,
+        thumb_opp_18,
+        thumb_opp_4 * thumb_opp_6 * thumb_opp_12,
+    );
+    let thumb_opp_20 = mul_add(
+        thumb_opp_17,
+        thumb_opp_18,
+        mul_sub(L::splat(0.01941111622405197), thumb_opp_6, thumb_opp_15) * thumb_opp_12,
+    );
+    let thumb_adp_1 = mul_sub(
+        L::splat(0.025486067515228545),
+        cos_thumb_ab,
+        L::splat(0.029821276684971594) * sin_thumb_ab,
     );
     let thumb_adp_2 = mul_sub(
         L::splat(0.038000000000000006),
@@ -828,9 +984,9 @@ pub fn evaluate_with_matrix<L: Lane>(
     );
     let thumb_adp_3 = thumb_adp_2 - thumb_adp_1;
     let thumb_adp_4 = mul_add(
-        L::splat(0.025486067515228545),
-        sin_thumb_ab,
-        L::splat(0.029821276684971587) * cos_thumb_ab,
+        L::splat(0.029821276684971594),
+        cos_thumb_ab,
+        L::splat(0.025486067515228545) * sin_thumb_ab,
     );
     let thumb_adp_5 = L::splat(-0.009) + thumb_adp_4;
     let thumb_adp_6 = mul_add(
@@ -838,504 +994,353 @@ pub fn evaluate_with_matrix<L: Lane>(
         sin_thumb_cmc,
         thumb_apl_2,
     );
-    let thumb_adp_7 = L::splat(0.040658969729785124) - thumb_adp_6;
+    let thumb_adp_7 = L::splat(0.04065896972978512) - thumb_adp_6;
     let thumb_adp_8 = mul_add(
         thumb_adp_7,
         thumb_adp_7,
         mul_add(thumb_adp_3, thumb_adp_3, thumb_adp_5 * thumb_adp_5),
     );
-    let thumb_adp_9 = sqrt(thumb_adp_8);
-    let thumb_adp_10 = L::splat(1.0) / thumb_adp_9;
-    let thumb_adp_11 = thumb_adp_10
-        * mul_add(thumb_adp_3, thumb_adp_4, thumb_adp_1 * thumb_adp_5);
-    let thumb_adp_12 = neg_mul_add(
+    let (thumb_adp_9, thumb_adp_10) = sqrt_recip(thumb_adp_8);
+    let thumb_adp_11 = neg_mul_add(
         L::splat(7.12e-5),
         cos_thumb_mcp,
         L::splat(0.000178) * sin_thumb_mcp,
     );
-    let thumb_adp_13 = sqrt(L::splat(0.00019224000000000004) - thumb_adp_12);
-    let thumb_adp_14 = c_0 * (thumb_adp_13 + thumb_adp_9 - rest_thumb_adp);
-    force[0] = neg_mul_add(thumb_adp_14, thumb_adp_11, thumb_ab_20);
-    let thumb_cmc_23 = v_thumb_ab * thumb_ab_4;
-    let thumb_cmc_24 = v_thumb_ab * thumb_cmc_6;
-    let thumb_cmc_25 = neg_mul_add(
-        thumb_cmc_23,
-        thumb_cmc_24,
-        neg_mul_add(thumb_cmc_3, thumb_cmc_14, thumb_cmc_5 * thumb_cmc_12),
+    let (thumb_adp_12, thumb_adp_13) = sqrt_recip(
+        L::splat(0.00019224000000000004) - thumb_adp_11,
     );
-    let thumb_cmc_26 = v_thumb_ab * thumb_cmc_8;
-    let thumb_cmc_27 = v_thumb_ab * thumb_ab_11;
-    let thumb_cmc_28 = neg_mul_add(
-        thumb_cmc_27,
-        thumb_cmc_26,
-        neg_mul_add(thumb_cmc_20, thumb_cmc_7, thumb_cmc_18 * thumb_cmc_10),
+    let thumb_adp_14 = c_2 * (thumb_adp_9 + thumb_adp_12 - rest_thumb_adp);
+    let thumb_adp_15 = index_fdp_3 * thumb_adp_14;
+    let thumb_adp_16 = thumb_adp_10 * thumb_adp_15;
+    let thumb_adp_17 = index_interosseous_1 - thumb_adp_16;
+    let thumb_adp_18 = thumb_adp_10
+        * mul_add(thumb_adp_1, thumb_adp_5, thumb_adp_4 * thumb_adp_3);
+    let thumb_adp_19 = thumb_adp_1 * thumb_adp_2;
+    let thumb_adp_20 = mul_add(
+        thumb_adp_18,
+        thumb_adp_18 * thumb_adp_17,
+        mul_add(L::splat(0.009), thumb_adp_4, thumb_adp_19) * thumb_adp_16,
     );
-    let thumb_cmc_29 = thumb_ab_2 * thumb_ab_7;
-    let thumb_cmc_30 = v_thumb_ab * v_thumb_ab;
-    let thumb_cmc_31 = v_thumb_ab * thumb_cmc_4;
-    let thumb_cmc_32 = v_thumb_ab * thumb_ab_5;
-    let thumb_cmc_33 = thumb_cmc_32 + thumb_cmc_27;
-    let thumb_cmc_34 = neg_mul_add(
-        thumb_cmc_31,
-        thumb_cmc_33,
-        neg_mul_add(thumb_cmc_5, thumb_cmc_13, thumb_cmc_3 * thumb_cmc_15),
+    let thumb_adp_21 = thumb_adp_10
+        * mul_add(thumb_adp_6, thumb_adp_3, thumb_adp_2 * thumb_adp_7);
+    let thumb_adp_22 = thumb_adp_21 * thumb_adp_17;
+    let thumb_adp_23 = mul_add(
+        thumb_adp_18,
+        thumb_adp_22,
+        thumb_adp_4 * thumb_adp_6 * thumb_adp_16,
     );
-    let thumb_cmc_35 = thumb_ab_3 * thumb_ab_16;
-    let thumb_cmc_36 = neg_mul_add(thumb_cmc_30, thumb_cmc_35, thumb_cmc_34);
-    let thumb_cmc_37 = thumb_cmc_36
-        + neg_mul_add(thumb_cmc_30, thumb_cmc_29, thumb_cmc_25 + thumb_cmc_28);
-    let thumb_cmc_38 = v_thumb_ab * thumb_ab_9;
-    let thumb_cmc_39 = thumb_cmc_23 + thumb_cmc_38;
-    let thumb_cmc_40 = v_thumb_ab * thumb_cmc_9;
-    let thumb_cmc_41 = neg_mul_add(
-        thumb_cmc_40,
-        thumb_cmc_39,
-        neg_mul_add(thumb_cmc_19, thumb_cmc_10, thumb_cmc_21 * thumb_cmc_7),
+    let thumb_adp_24 = mul_add(
+        thumb_adp_21,
+        thumb_adp_22,
+        mul_add(L::splat(0.04065896972978512), thumb_adp_6, thumb_adp_19) * thumb_adp_16,
     );
-    let thumb_cmc_42 = cos_thumb_cmc * thumb_ab_12;
-    let thumb_fpl_17 = thumb_fpl_10
-        * mul_add(thumb_fpl_3, thumb_fpl_6, thumb_fpl_2 * thumb_fpl_7);
-    let thumb_cmc_43 = mul_add(
-        thumb_fpl_16,
-        thumb_fpl_17,
-        neg_mul_add(thumb_cmc_30, thumb_cmc_42, thumb_cmc_41) + thumb_cmc_37,
+    let thumb_adp_25 = thumb_adp_13 * thumb_adp_15;
+    let thumb_adp_26 = thumb_adp_13
+        * mul_add(L::splat(3.56e-5), sin_thumb_mcp, L::splat(8.9e-5) * cos_thumb_mcp);
+    let thumb_adp_27 = mul_add(
+        thumb_adp_26,
+        thumb_adp_26 * (index_interosseous_1 - thumb_adp_25),
+        L::splat(0.5) * thumb_adp_11 * thumb_adp_25,
     );
-    let thumb_epl_19 = thumb_epl_12
-        * neg_mul_add(thumb_epl_3, thumb_epl_9, thumb_epl_8 * thumb_epl_4);
-    let thumb_epb_11 = thumb_epb_8
-        * neg_mul_add(thumb_epb_5, thumb_epl_3, thumb_epl_8 * thumb_epb_2);
-    let thumb_apl_15 = thumb_apl_12
-        * neg_mul_add(thumb_apl_9, thumb_apl_3, thumb_apl_8 * thumb_apl_4);
-    let thumb_cmc_44 = neg_mul_add(
-        thumb_apl_14,
-        thumb_apl_15,
-        neg_mul_add(
-            thumb_epb_10,
-            thumb_epb_11,
-            neg_mul_add(thumb_epl_18, thumb_epl_19, thumb_cmc_43),
-        ),
+    let thumb_cmc_1 = mul_add(
+        sin_thumb_cmc,
+        cos_thumb_mcp,
+        cos_thumb_cmc * sin_thumb_mcp,
     );
-    let thumb_apb_15 = thumb_apb_10
-        * mul_add(thumb_apb_2, thumb_apb_7, thumb_apb_3 * thumb_apb_6);
-    let thumb_opp_13 = thumb_opp_10
-        * mul_add(thumb_opp_3, thumb_opp_6, thumb_opp_2 * thumb_opp_7);
-    let thumb_adp_15 = thumb_adp_10
-        * mul_add(thumb_adp_2, thumb_adp_7, thumb_adp_3 * thumb_adp_6);
-    force[1] = mul_add(
-        thumb_adp_14,
-        thumb_adp_15,
-        mul_add(
-            thumb_opp_12,
-            thumb_opp_13,
-            mul_add(thumb_apb_14, thumb_apb_15, thumb_cmc_44),
-        ),
+    let thumb_cmc_2 = mul_sub(
+        cos_thumb_cmc,
+        cos_thumb_mcp,
+        sin_thumb_cmc * sin_thumb_mcp,
     );
-    let thumb_fpl_18 = L::splat(1.0) / thumb_fpl_13;
-    let thumb_fpl_19 = thumb_fpl_18
-        * neg_mul_add(
-            L::splat(0.00021),
-            cos_thumb_mcp,
-            L::splat(9.999999999999972e-6) * sin_thumb_mcp,
-        );
-    let thumb_epl_20 = L::splat(1.0) / thumb_epl_15;
-    let thumb_epl_21 = thumb_epl_20
-        * mul_add(
-            L::splat(0.00011549999999999999),
-            sin_thumb_mcp,
-            L::splat(5.17e-5) * cos_thumb_mcp,
-        );
-    let thumb_mcp_1 = neg_mul_add(
-        thumb_epb_10,
-        thumb_epl_21,
-        neg_mul_add(
-            thumb_epl_18,
-            thumb_epl_21,
-            neg_mul_add(thumb_fpl_16, thumb_fpl_19, thumb_cmc_37),
-        ),
-    );
-    let thumb_apb_16 = L::splat(1.0) / thumb_apb_13;
-    let thumb_apb_17 = mul_add(
-        L::splat(2.9599999999999994e-5),
-        sin_thumb_mcp,
-        L::splat(9.72e-5) * cos_thumb_mcp,
-    ) * thumb_apb_16;
-    let thumb_adp_16 = L::splat(1.0) / thumb_adp_13;
-    let thumb_adp_17 = mul_add(
-        L::splat(3.56e-5),
-        sin_thumb_mcp,
-        L::splat(8.9e-5) * cos_thumb_mcp,
-    ) * thumb_adp_16;
-    force[2] = mul_add(
-        thumb_adp_14,
-        thumb_adp_17,
-        mul_add(thumb_apb_14, thumb_apb_17, thumb_mcp_1),
-    );
-    let thumb_fpl_20 = L::splat(1.0) / thumb_fpl_15;
-    let thumb_fpl_21 = thumb_fpl_20
-        * mul_add(
-            L::splat(0.00014879999999999998),
-            cos_thumb_ip,
-            L::splat(4.799999999999981e-6) * sin_thumb_ip,
-        );
-    let thumb_epl_22 = L::splat(1.0) / thumb_epl_17;
-    let thumb_epl_23 = mul_add(
-        L::splat(4.6000000000000014e-5),
-        cos_thumb_ip,
-        L::splat(9.475e-5) * sin_thumb_ip,
-    ) * thumb_epl_22;
-    force[3] = neg_mul_add(
-        thumb_epl_18,
-        thumb_epl_23,
-        mul_add(thumb_fpl_16, thumb_fpl_21, thumb_cmc_36),
-    );
-    let index_fdp_3 = L::splat(0.25) * h;
-    let thumb_fpl_22 = index_fdp_3 * thumb_fpl_16;
-    let thumb_fpl_23 = thumb_fpl_10 * thumb_fpl_22;
-    let index_fdp_4 = index_fdp_3 * c_1;
-    let thumb_fpl_24 = index_fdp_4 - thumb_fpl_23;
-    let thumb_fpl_25 = thumb_fpl_2 * thumb_fpl_1;
-    let thumb_fpl_26 = neg_mul_add(
-        thumb_fpl_23,
-        mul_add(L::splat(0.002), thumb_fpl_4, thumb_fpl_25),
-        thumb_fpl_11 * (thumb_fpl_11 * thumb_fpl_24),
-    );
-    let thumb_ab_21 = L::splat(1.0) / h;
-    let thumb_epl_24 = index_fdp_3 * thumb_epl_18;
-    let thumb_epl_25 = thumb_epl_12 * thumb_epl_24;
-    let index_edc_1 = index_fdp_3 * c_2;
-    let thumb_epl_26 = index_edc_1 - thumb_epl_25;
-    let thumb_epl_27 = thumb_epl_3 * thumb_epl_2;
-    let thumb_epl_28 = neg_mul_add(
-        thumb_epl_25,
-        mul_add(L::splat(0.008), thumb_epl_6, thumb_epl_27),
-        thumb_epl_13 * (thumb_epl_13 * thumb_epl_26),
-    );
-    let thumb_epb_12 = index_fdp_3 * thumb_epb_10;
-    let thumb_epb_13 = thumb_epb_8 * thumb_epb_12;
-    let index_interosseous_1 = index_fdp_3 * c_0;
-    let thumb_epb_14 = index_interosseous_1 - thumb_epb_13;
-    let thumb_epb_15 = thumb_epb_1 * thumb_epl_3;
-    let thumb_epb_16 = mul_add(
-        thumb_epb_9,
-        thumb_epb_9 * thumb_epb_14,
-        thumb_epb_13 * mul_add(L::splat(0.005), thumb_epb_3, thumb_epb_15),
-    );
-    let thumb_apl_16 = thumb_apl_12 * (index_fdp_3 * thumb_apl_14);
-    let thumb_apl_17 = index_interosseous_1 - thumb_apl_16;
-    let thumb_apl_18 = thumb_apl_1 * thumb_apl_3;
-    let thumb_apl_19 = mul_add(
-        thumb_apl_13,
-        thumb_apl_13 * thumb_apl_17,
-        thumb_apl_16 * mul_add(L::splat(0.012), thumb_apl_5, thumb_apl_18),
-    );
-    let thumb_ab_22 = thumb_apl_19
-        + (thumb_epl_28 + mul_add(thumb_ab_21, thumb_ab_18, thumb_fpl_26)
-            + thumb_epb_16);
-    let thumb_apb_18 = index_fdp_3 * thumb_apb_14;
-    let thumb_apb_19 = thumb_apb_10 * thumb_apb_18;
-    let thumb_apb_20 = index_interosseous_1 - thumb_apb_19;
-    let thumb_apb_21 = thumb_apb_1 * thumb_apb_2;
-    let thumb_apb_22 = mul_add(
-        thumb_apb_11,
-        thumb_apb_11 * thumb_apb_20,
-        thumb_apb_19 * mul_add(L::splat(0.009), thumb_apb_4, thumb_apb_21),
-    );
-    let thumb_opp_14 = thumb_opp_10 * (index_fdp_3 * thumb_opp_12);
-    let thumb_opp_15 = index_interosseous_1 - thumb_opp_14;
-    let thumb_opp_16 = thumb_opp_2 * thumb_opp_1;
-    let thumb_opp_17 = mul_add(
-        thumb_opp_14,
-        mul_sub(L::splat(0.004), thumb_opp_4, thumb_opp_16),
-        thumb_opp_11 * (thumb_opp_11 * thumb_opp_15),
-    );
-    let thumb_adp_18 = index_fdp_3 * thumb_adp_14;
-    let thumb_adp_19 = thumb_adp_10 * thumb_adp_18;
-    let thumb_adp_20 = index_interosseous_1 - thumb_adp_19;
-    let thumb_adp_21 = thumb_adp_1 * thumb_adp_2;
-    let thumb_adp_22 = mul_add(
-        mul_add(L::splat(0.009), thumb_adp_4, thumb_adp_21),
-        thumb_adp_19,
-        thumb_adp_11 * (thumb_adp_11 * thumb_adp_20),
-    );
-    matrix[0] = -(thumb_adp_22 + (thumb_opp_17 + (thumb_ab_22 + thumb_apb_22)));
-    let thumb_fpl_27 = thumb_fpl_17 * thumb_fpl_24;
-    let thumb_epl_29 = thumb_epl_19 * thumb_epl_26;
-    let thumb_ab_23 = mul_add(
-        thumb_epl_13,
-        thumb_epl_29,
-        thumb_epl_25 * (thumb_epl_8 * thumb_epl_6),
-    ) - mul_add(thumb_fpl_11, thumb_fpl_27, thumb_fpl_23 * (thumb_fpl_4 * thumb_fpl_6));
-    let thumb_epb_17 = thumb_epb_11 * thumb_epb_14;
-    let thumb_ab_24 = thumb_ab_23
-        - neg_mul_add(
-            thumb_epb_13,
-            thumb_epl_8 * thumb_epb_3,
-            thumb_epb_9 * thumb_epb_17,
-        );
-    let thumb_apl_20 = thumb_apl_15 * thumb_apl_17;
-    let thumb_ab_25 = thumb_ab_24
-        - neg_mul_add(
-            thumb_apl_16,
-            thumb_apl_8 * thumb_apl_5,
-            thumb_apl_13 * thumb_apl_20,
-        );
-    let thumb_apb_23 = thumb_apb_15 * thumb_apb_20;
-    let thumb_ab_26 = thumb_ab_25
-        - neg_mul_add(
-            thumb_apb_11,
-            thumb_apb_23,
-            thumb_apb_19 * (thumb_apb_4 * thumb_apb_6),
-        );
-    let thumb_opp_18 = thumb_opp_13 * thumb_opp_15;
-    let thumb_ab_27 = thumb_ab_26
-        - mul_add(
-            thumb_opp_11,
-            thumb_opp_18,
-            thumb_opp_14 * (thumb_opp_4 * thumb_opp_6),
-        );
-    let thumb_adp_23 = thumb_adp_15 * thumb_adp_20;
-    let thumb_ab_28 = mul_add(
-        thumb_adp_11,
-        thumb_adp_23,
-        thumb_adp_19 * (thumb_adp_4 * thumb_adp_6),
-    ) + thumb_ab_27;
-    let thumb_ab_29 = L::splat(2.0) * v_thumb_ab;
-    let thumb_ab_30 = mul_add(
-        thumb_ab_29,
-        thumb_cmc_35,
-        mul_add(thumb_cmc_31, thumb_ab_5 + thumb_ab_11, thumb_cmc_4 * thumb_cmc_33),
-    );
-    let thumb_ab_31 = L::splat(0.5) * thumb_ab_30;
-    let thumb_ab_32 = mul_add(
-        thumb_cmc_6,
-        thumb_cmc_23,
-        mul_add(thumb_ab_11, thumb_cmc_26, thumb_ab_4 * thumb_cmc_24),
-    );
-    let thumb_ab_33 = mul_add(
-        L::splat(0.5),
-        mul_add(
-            thumb_ab_29,
-            thumb_cmc_29,
-            mul_add(thumb_cmc_8, thumb_cmc_27, thumb_ab_32),
-        ),
-        thumb_ab_31,
-    );
-    let thumb_ab_34 = mul_add(
-        thumb_ab_29,
-        thumb_cmc_42,
-        mul_add(thumb_ab_10, thumb_cmc_40, thumb_cmc_9 * thumb_cmc_39),
-    );
-    let thumb_ab_35 = mul_add(L::splat(0.5), thumb_ab_34, thumb_ab_33);
-    matrix[1] = thumb_ab_35 + thumb_ab_28;
-    let thumb_fpl_28 = thumb_fpl_19 * index_fdp_4;
-    let thumb_epl_30 = thumb_epl_21 * index_edc_1;
-    let thumb_epb_18 = thumb_epl_21 * index_interosseous_1;
-    let thumb_ab_36 = neg_mul_add(
-        thumb_epb_9,
-        thumb_epb_18,
-        mul_add(thumb_epl_13, thumb_epl_30, thumb_fpl_11 * thumb_fpl_28),
-    );
-    let thumb_apb_24 = thumb_apb_17 * index_interosseous_1;
-    let thumb_adp_24 = thumb_adp_17 * index_interosseous_1;
-    let thumb_ab_37 = mul_add(
-        thumb_adp_11,
-        thumb_adp_24,
-        mul_add(thumb_apb_11, thumb_apb_24, thumb_ab_36),
-    );
-    matrix[2] = thumb_ab_33 + thumb_ab_37;
-    let thumb_fpl_29 = thumb_fpl_21 * index_fdp_4;
-    let thumb_epl_31 = thumb_epl_23 * index_edc_1;
-    let thumb_ab_38 = neg_mul_add(
-        thumb_fpl_11,
-        thumb_fpl_29,
-        thumb_epl_13 * thumb_epl_31,
-    );
-    matrix[3] = thumb_ab_31 + thumb_ab_38;
-    matrix[4] = thumb_ab_28 - thumb_ab_35;
-    let thumb_cmc_45 = mul_add(thumb_cmc_3, thumb_cmc_12, thumb_cmc_5 * thumb_cmc_14);
-    let thumb_cmc_46 = L::splat(2.0) * thumb_cmc_30;
-    let thumb_cmc_47 = mul_add(thumb_cmc_20, thumb_cmc_10, thumb_cmc_18 * thumb_cmc_7);
-    let thumb_cmc_48 = mul_add(
-        thumb_cmc_46,
-        thumb_ab_8,
-        mul_add(thumb_cmc_23, thumb_cmc_32, thumb_cmc_45),
-    ) + mul_add(thumb_cmc_38, thumb_cmc_27, thumb_cmc_47);
-    let thumb_cmc_49 = neg_mul_add(
-        thumb_ab_21,
-        mul_add(thumb_cmc_4, thumb_cmc_6, thumb_ab_6),
-        index_fdp_3 * mul_add(thumb_cmc_31, thumb_cmc_24, thumb_cmc_45),
-    );
-    let thumb_cmc_50 = mul_add(
-        thumb_cmc_23,
-        thumb_cmc_33,
-        mul_add(thumb_cmc_3, thumb_cmc_13, thumb_cmc_5 * thumb_cmc_15),
-    );
-    let thumb_cmc_51 = mul_add(
+    let thumb_cmc_3 = mul_sub(cos_thumb_ip, thumb_cmc_2, sin_thumb_ip * thumb_cmc_1);
+    let thumb_cmc_4 = L::splat(6.59048003551084e-5) * thumb_cmc_3;
+    let thumb_cmc_5 = L::splat(0.0316) * thumb_cmc_2;
+    let thumb_cmc_6 = v_thumb_cmc + v_thumb_mcp;
+    let thumb_cmc_7 = thumb_cmc_6 * thumb_cmc_5;
+    let thumb_cmc_8 = L::splat(0.046200000000000005) * cos_thumb_cmc;
+    let thumb_cmc_9 = v_thumb_cmc * thumb_cmc_8;
+    let thumb_cmc_10 = thumb_cmc_9 + thumb_cmc_7;
+    let thumb_cmc_11 = mul_add(cos_thumb_ip, thumb_cmc_1, sin_thumb_ip * thumb_cmc_2);
+    let thumb_cmc_12 = L::splat(6.59048003551084e-5) * thumb_cmc_11;
+    let thumb_cmc_13 = L::splat(0.0316) * thumb_cmc_1;
+    let thumb_cmc_14 = thumb_cmc_6 * thumb_cmc_13;
+    let thumb_cmc_15 = L::splat(0.046200000000000005) * sin_thumb_cmc;
+    let thumb_cmc_16 = v_thumb_cmc * thumb_cmc_15;
+    let thumb_cmc_17 = thumb_cmc_16 + thumb_cmc_14;
+    let thumb_cmc_18 = v_thumb_ip + thumb_cmc_6;
+    let thumb_cmc_19 = mul_add(
         L::splat(1.0764248252162773e-6),
-        thumb_ab_21,
-        index_fdp_3 * mul_add(thumb_cmc_46, thumb_ab_17, thumb_cmc_50),
+        thumb_cmc_18,
+        mul_add(thumb_cmc_17, thumb_cmc_12, thumb_cmc_10 * thumb_cmc_4),
     );
-    let thumb_cmc_52 = thumb_cmc_49 - thumb_cmc_51;
-    let thumb_cmc_53 = thumb_cmc_52
-        + (thumb_cmc_49
-            - mul_add(
-                L::splat(9.973249740768897e-6),
-                thumb_ab_21,
-                index_fdp_3 * thumb_cmc_48,
-            ));
-    let thumb_cmc_54 = mul_add(
-        thumb_cmc_40,
-        thumb_cmc_31,
-        mul_add(thumb_cmc_3, thumb_cmc_7, thumb_cmc_5 * thumb_cmc_10),
+    momentum[3] = thumb_cmc_19;
+    let thumb_cmc_20 = thumb_cmc_18 * thumb_cmc_12;
+    let thumb_cmc_21 = thumb_cmc_18 * thumb_cmc_4;
+    let thumb_cmc_22 = v_thumb_ab * thumb_cmc_12;
+    let thumb_cmc_23 = v_thumb_ab * thumb_cmc_5;
+    let thumb_cmc_24 = v_thumb_ab * thumb_cmc_8;
+    let thumb_cmc_25 = thumb_cmc_24 + thumb_cmc_23;
+    let thumb_cmc_26 = neg_mul_add(
+        thumb_cmc_25,
+        thumb_cmc_22,
+        neg_mul_add(thumb_cmc_10, thumb_cmc_20, thumb_cmc_17 * thumb_cmc_21),
     );
-    let thumb_cmc_55 = neg_mul_add(
-        thumb_ab_21,
-        mul_add(thumb_cmc_9, thumb_cmc_4, thumb_ab_4 * thumb_ab_11),
-        index_fdp_3 * thumb_cmc_54,
+    let thumb_cmc_27 = L::splat(8.304207317248589e-7) * thumb_cmc_11;
+    let thumb_cmc_28 = thumb_cmc_3 * thumb_cmc_27;
+    let thumb_cmc_29 = v_thumb_ab * v_thumb_ab;
+    let thumb_cmc_30 = neg_mul_add(thumb_cmc_29, thumb_cmc_28, thumb_cmc_26);
+    let thumb_cmc_31 = mul_add(thumb_cmc_13, thumb_cmc_20, thumb_cmc_5 * thumb_cmc_21);
+    let thumb_cmc_32 = L::splat(0.00036448271648406014) * thumb_cmc_2;
+    let thumb_cmc_33 = L::splat(0.00036448271648406014) * thumb_cmc_1;
+    let thumb_cmc_34 = thumb_cmc_31
+        + mul_add(thumb_cmc_16, thumb_cmc_33, thumb_cmc_9 * thumb_cmc_32);
+    let thumb_cmc_35 = thumb_cmc_19
+        + mul_add(L::splat(9.973249740768897e-6), thumb_cmc_6, thumb_cmc_34);
+    momentum[2] = thumb_cmc_35;
+    let thumb_cmc_36 = v_thumb_ab * thumb_cmc_4;
+    let thumb_cmc_37 = v_thumb_ab * thumb_cmc_13;
+    let thumb_cmc_38 = neg_mul_add(
+        thumb_cmc_37,
+        thumb_cmc_36,
+        neg_mul_add(thumb_cmc_14, thumb_cmc_21, thumb_cmc_7 * thumb_cmc_20),
     );
-    let thumb_cmc_56 = neg_mul_add(
-        thumb_ab_21,
-        mul_add(thumb_cmc_9, thumb_cmc_8, thumb_ab_9 * thumb_ab_11),
-        index_fdp_3 * mul_add(thumb_cmc_40, thumb_cmc_26, thumb_cmc_47),
+    let thumb_cmc_39 = thumb_cmc_6 * thumb_cmc_33;
+    let thumb_cmc_40 = thumb_cmc_6 * thumb_cmc_32;
+    let thumb_cmc_41 = v_thumb_ab * thumb_cmc_33;
+    let thumb_cmc_42 = neg_mul_add(
+        thumb_cmc_24,
+        thumb_cmc_41,
+        neg_mul_add(thumb_cmc_9, thumb_cmc_39, thumb_cmc_16 * thumb_cmc_40),
     );
-    let thumb_cmc_57 = thumb_cmc_56 + thumb_cmc_55;
-    let thumb_cmc_58 = thumb_cmc_57 + thumb_cmc_53;
-    let thumb_cmc_59 = mul_add(
-        thumb_cmc_39,
-        thumb_cmc_27,
-        mul_add(thumb_cmc_19, thumb_cmc_7, thumb_cmc_21 * thumb_cmc_10),
+    let thumb_cmc_43 = L::splat(9.42724093757499e-6) * thumb_cmc_1;
+    let thumb_cmc_44 = thumb_cmc_2 * thumb_cmc_43;
+    let thumb_cmc_45 = thumb_cmc_30
+        + neg_mul_add(thumb_cmc_29, thumb_cmc_44, thumb_cmc_38 + thumb_cmc_42);
+    let thumb_cmc_46 = thumb_cmc_40 + thumb_cmc_21;
+    let thumb_cmc_47 = thumb_cmc_39 + thumb_cmc_20;
+    let thumb_cmc_48 = mul_add(
+        L::splat(5.060241857552533e-5),
+        v_thumb_cmc,
+        mul_add(thumb_cmc_15, thumb_cmc_47, thumb_cmc_8 * thumb_cmc_46),
     );
+    momentum[1] = thumb_cmc_35 + thumb_cmc_48;
+    let thumb_cmc_49 = v_thumb_ab * thumb_cmc_32;
+    let thumb_cmc_50 = thumb_cmc_49 + thumb_cmc_36;
+    let thumb_cmc_51 = v_thumb_ab * thumb_cmc_15;
+    let thumb_cmc_52 = neg_mul_add(
+        thumb_cmc_51,
+        thumb_cmc_50,
+        neg_mul_add(thumb_cmc_16, thumb_cmc_46, thumb_cmc_9 * thumb_cmc_47),
+    );
+    let thumb_cmc_53 = L::splat(4.943365874069823e-5) * sin_thumb_cmc;
+    let thumb_cmc_54 = cos_thumb_cmc * thumb_cmc_53;
+    let thumb_cmc_55 = thumb_cmc_45
+        + neg_mul_add(thumb_cmc_29, thumb_cmc_54, thumb_cmc_52);
+    let thumb_cmc_56 = mul_add(
+        thumb_cmc_24,
+        thumb_cmc_50,
+        mul_add(thumb_cmc_9, thumb_cmc_46, thumb_cmc_16 * thumb_cmc_47),
+    );
+    let thumb_cmc_57 = neg_mul_add(
+        sin_thumb_cmc,
+        thumb_cmc_53,
+        L::splat(2.4716829370349116e-5),
+    );
+    let thumb_cmc_58 = L::splat(2.0) * thumb_cmc_29;
+    let thumb_cmc_59 = L::splat(1.0) / h;
     let thumb_cmc_60 = mul_add(
         L::splat(5.060241857552533e-5),
-        thumb_ab_21,
-        index_fdp_3 * mul_add(thumb_cmc_46, thumb_ab_13, thumb_cmc_59),
+        thumb_cmc_59,
+        index_fdp_3 * mul_add(thumb_cmc_58, thumb_cmc_57, thumb_cmc_56),
     );
-    let thumb_fpl_30 = mul_add(
-        thumb_fpl_17,
-        thumb_fpl_27,
-        thumb_fpl_23 * mul_sub(L::splat(0.012000000000000004), thumb_fpl_6, thumb_fpl_25),
+    let thumb_cmc_61 = mul_add(thumb_cmc_16, thumb_cmc_39, thumb_cmc_9 * thumb_cmc_40);
+    let thumb_cmc_62 = mul_sub(
+        index_fdp_3,
+        mul_add(thumb_cmc_51, thumb_cmc_41, thumb_cmc_61),
+        thumb_cmc_59 * mul_add(thumb_cmc_15, thumb_cmc_33, thumb_cmc_8 * thumb_cmc_32),
     );
-    let thumb_epl_32 = mul_add(
-        thumb_epl_19,
-        thumb_epl_29,
-        thumb_epl_25 * mul_sub(L::splat(0.012), thumb_epl_8, thumb_epl_27),
+    let thumb_cmc_63 = mul_add(thumb_cmc_7, thumb_cmc_21, thumb_cmc_14 * thumb_cmc_20);
+    let thumb_cmc_64 = neg_mul_add(
+        thumb_cmc_1,
+        thumb_cmc_43,
+        L::splat(4.713620468787495e-6),
     );
-    let thumb_epb_19 = mul_add(
-        thumb_epb_11,
-        thumb_epb_17,
-        thumb_epb_13 * mul_add(L::splat(0.012000000000000004), thumb_epl_8, thumb_epb_15),
-    );
-    let thumb_cmc_61 = thumb_cmc_58 + (thumb_cmc_57 - thumb_cmc_60) - thumb_fpl_30
-        - thumb_epl_32 - thumb_epb_19;
-    let thumb_apl_21 = mul_add(
-        thumb_apl_16,
-        mul_add(L::splat(0.005000000000000003), thumb_apl_8, thumb_apl_18),
-        thumb_apl_15 * thumb_apl_20,
-    );
-    let thumb_apb_25 = mul_add(
-        thumb_apb_15,
-        thumb_apb_23,
-        thumb_apb_19 * mul_add(L::splat(0.013294688681193689), thumb_apb_6, thumb_apb_21),
-    );
-    let thumb_opp_19 = mul_add(
-        thumb_opp_13,
-        thumb_opp_18,
-        thumb_opp_14 * mul_sub(L::splat(0.01941111622405197), thumb_opp_6, thumb_opp_16),
-    );
-    let thumb_adp_25 = mul_add(
-        thumb_adp_15,
-        thumb_adp_23,
-        thumb_adp_19 * mul_add(L::splat(0.040658969729785124), thumb_adp_6, thumb_adp_21),
-    );
-    matrix[5] = thumb_cmc_61 - thumb_apl_21 - thumb_apb_25 - thumb_opp_19 - thumb_adp_25;
-    let thumb_cmc_62 = neg_mul_add(
-        thumb_epb_11,
-        thumb_epb_18,
-        neg_mul_add(
-            thumb_epl_19,
-            thumb_epl_30,
-            mul_add(thumb_fpl_17, thumb_fpl_28, thumb_cmc_58),
-        ),
-    );
-    let thumb_cmc_63 = neg_mul_add(
-        thumb_adp_15,
-        thumb_adp_24,
-        neg_mul_add(thumb_apb_15, thumb_apb_24, thumb_cmc_62),
-    );
-    let thumb_cmc_64 = L::splat(0.5) * (v_thumb_cmc + thumb_cmc_2)
-        * neg_mul_add(thumb_ab_4, thumb_cmc_9, thumb_ab_11 * thumb_cmc_4);
     let thumb_cmc_65 = mul_add(
-        L::splat(0.5) * (v_thumb_cmc + thumb_cmc_1),
-        neg_mul_add(thumb_ab_9, thumb_cmc_9, thumb_ab_11 * thumb_cmc_8),
+        thumb_cmc_58,
         thumb_cmc_64,
+        mul_add(thumb_cmc_23, thumb_cmc_36, thumb_cmc_63),
+    ) + mul_add(thumb_cmc_24, thumb_cmc_49, thumb_cmc_61);
+    let thumb_cmc_66 = mul_add(
+        L::splat(9.973249740768897e-6),
+        thumb_cmc_59,
+        index_fdp_3 * thumb_cmc_65,
     );
-    matrix[6] = thumb_cmc_63 + thumb_cmc_65;
-    let thumb_cmc_66 = neg_mul_add(
-        thumb_epl_19,
-        thumb_epl_31,
-        neg_mul_add(thumb_fpl_17, thumb_fpl_29, thumb_cmc_55 + thumb_cmc_52),
+    let thumb_cmc_67 = mul_add(
+        thumb_cmc_51,
+        thumb_cmc_22,
+        mul_add(thumb_cmc_16, thumb_cmc_20, thumb_cmc_9 * thumb_cmc_21),
     );
-    let thumb_cmc_67 = L::splat(0.5) * (thumb_cmc_1 + thumb_cmc_2)
-        * neg_mul_add(thumb_ab_4, thumb_cmc_6, thumb_ab_5 * thumb_cmc_4);
-    let thumb_cmc_68 = thumb_cmc_64 + thumb_cmc_67;
-    matrix[7] = thumb_cmc_68 + thumb_cmc_66;
-    matrix[8] = thumb_ab_37 - thumb_ab_33;
-    matrix[9] = thumb_cmc_63 - thumb_cmc_65;
-    let thumb_fpl_31 = thumb_fpl_18 * thumb_fpl_22;
-    let thumb_fpl_32 = mul_add(
-        thumb_fpl_31,
-        L::splat(0.5) * thumb_fpl_12,
-        thumb_fpl_19 * (thumb_fpl_19 * (index_fdp_4 - thumb_fpl_31)),
+    let thumb_cmc_68 = mul_sub(
+        index_fdp_3,
+        thumb_cmc_67,
+        thumb_cmc_59 * mul_add(thumb_cmc_15, thumb_cmc_12, thumb_cmc_8 * thumb_cmc_4),
     );
-    let thumb_epl_33 = thumb_epl_20 * thumb_epl_24;
-    let thumb_epl_34 = L::splat(0.5) * thumb_epl_14;
-    let thumb_epl_35 = mul_add(
-        thumb_epl_21,
-        thumb_epl_21 * (index_edc_1 - thumb_epl_33),
-        thumb_epl_34 * thumb_epl_33,
+    let thumb_cmc_69 = thumb_cmc_5 * thumb_cmc_4;
+    let thumb_cmc_70 = mul_sub(
+        index_fdp_3,
+        mul_add(thumb_cmc_37, thumb_cmc_22, thumb_cmc_63),
+        thumb_cmc_59 * mul_add(thumb_cmc_13, thumb_cmc_12, thumb_cmc_69),
     );
-    let thumb_epb_20 = thumb_epl_20 * thumb_epb_12;
-    let thumb_epb_21 = mul_add(
-        thumb_epl_34,
-        thumb_epb_20,
-        thumb_epl_21 * (thumb_epl_21 * (index_interosseous_1 - thumb_epb_20)),
+    let thumb_cmc_71 = mul_add(
+        thumb_cmc_25,
+        thumb_cmc_36,
+        mul_add(thumb_cmc_10, thumb_cmc_21, thumb_cmc_17 * thumb_cmc_20),
     );
-    let thumb_apb_26 = thumb_apb_16 * thumb_apb_18;
-    let thumb_apb_27 = mul_add(
-        thumb_apb_17,
-        thumb_apb_17 * (index_interosseous_1 - thumb_apb_26),
-        thumb_apb_26 * (L::splat(0.5) * thumb_apb_12),
+    let thumb_cmc_72 = neg_mul_add(
+        thumb_cmc_11,
+        thumb_cmc_27,
+        L::splat(4.1521036586242944e-7),
     );
-    let thumb_adp_26 = thumb_adp_16 * thumb_adp_18;
-    let thumb_adp_27 = mul_add(
-        L::splat(0.5) * thumb_adp_12,
-        thumb_adp_26,
-        thumb_adp_17 * (thumb_adp_17 * (index_interosseous_1 - thumb_adp_26)),
+    let thumb_cmc_73 = mul_add(
+        L::splat(1.0764248252162773e-6),
+        thumb_cmc_59,
+        index_fdp_3 * mul_add(thumb_cmc_58, thumb_cmc_72, thumb_cmc_71),
     );
-    matrix[10] = thumb_cmc_53 - thumb_fpl_32 - thumb_epl_35 - thumb_epb_21 - thumb_apb_27
-        - thumb_adp_27;
-    let thumb_mcp_2 = neg_mul_add(
-        thumb_epl_21,
-        thumb_epl_31,
-        mul_add(thumb_fpl_19, thumb_fpl_29, thumb_cmc_52),
+    let thumb_cmc_74 = thumb_cmc_62 + thumb_cmc_68;
+    let thumb_cmc_75 = thumb_cmc_70 - thumb_cmc_66;
+    let thumb_cmc_76 = thumb_cmc_74 - thumb_cmc_60;
+    let thumb_cmc_77 = thumb_cmc_70 - thumb_cmc_73;
+    let thumb_cmc_78 = thumb_cmc_68 + thumb_cmc_77;
+    let thumb_cmc_79 = thumb_cmc_75 + thumb_cmc_77;
+    let thumb_cmc_80 = thumb_cmc_74 + thumb_cmc_79;
+    let thumb_cmc_81 = thumb_cmc_76 + thumb_cmc_80;
+    let thumb_cmc_82 = L::splat(0.5) * (v_thumb_cmc + thumb_cmc_18)
+        * neg_mul_add(thumb_cmc_15, thumb_cmc_4, thumb_cmc_8 * thumb_cmc_12);
+    let thumb_cmc_83 = mul_add(
+        L::splat(0.5) * (v_thumb_cmc + thumb_cmc_6),
+        neg_mul_add(thumb_cmc_15, thumb_cmc_32, thumb_cmc_8 * thumb_cmc_33),
+        thumb_cmc_82,
     );
-    matrix[11] = thumb_cmc_67 + thumb_mcp_2;
-    matrix[12] = thumb_ab_38 - thumb_ab_31;
-    matrix[13] = thumb_cmc_66 - thumb_cmc_68;
-    matrix[14] = thumb_mcp_2 - thumb_cmc_67;
-    let thumb_fpl_33 = thumb_fpl_20 * thumb_fpl_22;
-    let thumb_fpl_34 = mul_add(
-        thumb_fpl_33,
-        L::splat(0.5) * thumb_fpl_14,
-        thumb_fpl_21 * (thumb_fpl_21 * (index_fdp_4 - thumb_fpl_33)),
+    let thumb_cmc_84 = L::splat(0.5) * (thumb_cmc_6 + thumb_cmc_18)
+        * neg_mul_add(thumb_cmc_13, thumb_cmc_4, thumb_cmc_5 * thumb_cmc_12);
+    let thumb_cmc_85 = thumb_cmc_82 + thumb_cmc_84;
+    let thumb_ab_1 = L::splat(2.0) * v_thumb_ab;
+    let thumb_ab_2 = mul_add(
+        thumb_ab_1,
+        thumb_cmc_28,
+        mul_add(thumb_cmc_8 + thumb_cmc_5, thumb_cmc_22, thumb_cmc_25 * thumb_cmc_12),
     );
-    let thumb_epl_36 = thumb_epl_22 * thumb_epl_24;
-    let thumb_epl_37 = mul_add(
-        thumb_epl_23,
-        thumb_epl_23 * (index_edc_1 - thumb_epl_36),
-        thumb_epl_36 * (L::splat(0.5) * thumb_epl_16),
+    let thumb_ab_3 = L::splat(0.5) * thumb_ab_2;
+    let thumb_ab_4 = mul_add(
+        thumb_cmc_13,
+        thumb_cmc_36,
+        mul_add(thumb_cmc_37, thumb_cmc_4, thumb_cmc_8 * thumb_cmc_41),
     );
-    matrix[15] = -(thumb_epl_37 + (thumb_cmc_51 + thumb_fpl_34));
+    let thumb_ab_5 = mul_add(
+        L::splat(0.5),
+        mul_add(
+            thumb_ab_1,
+            thumb_cmc_44,
+            mul_add(thumb_cmc_24, thumb_cmc_33, thumb_ab_4),
+        ),
+        thumb_ab_3,
+    );
+    let thumb_ab_6 = thumb_cmc_32 + thumb_cmc_4;
+    let thumb_ab_7 = mul_add(
+        thumb_ab_1,
+        thumb_cmc_54,
+        mul_add(thumb_cmc_51, thumb_ab_6, thumb_cmc_15 * thumb_cmc_50),
+    );
+    let thumb_ab_8 = mul_add(L::splat(0.5), thumb_ab_7, thumb_ab_5);
+    let thumb_ab_9 = L::splat(3.180643293651146e-5)
+        + mul_add(L::splat(2.0), thumb_cmc_8 * thumb_ab_6, thumb_cmc_57)
+        + mul_add(L::splat(2.0), thumb_cmc_69, thumb_cmc_64);
+    let thumb_ab_10 = thumb_cmc_72 + thumb_ab_9;
+    momentum[0] = v_thumb_ab * thumb_ab_10;
+    let thumb_cmc_86 = mul_add(thumb_fpl_24, thumb_fpl_17, thumb_cmc_55);
+    let thumb_mcp_1 = neg_mul_add(thumb_fpl_29, thumb_fpl_17, thumb_cmc_45);
+    let thumb_ip_1 = mul_add(thumb_fpl_32, thumb_fpl_17, thumb_cmc_30);
+    let thumb_fpl_34 = index_fdp_4 * thumb_fpl_29;
+    let thumb_cmc_87 = mul_add(thumb_fpl_24, thumb_fpl_34, thumb_cmc_80);
+    let thumb_fpl_35 = index_fdp_4 * thumb_fpl_32;
+    let thumb_cmc_88 = neg_mul_add(thumb_fpl_24, thumb_fpl_35, thumb_cmc_78);
+    let thumb_mcp_2 = mul_add(thumb_fpl_29, thumb_fpl_35, thumb_cmc_77);
+    let thumb_ab_11 = mul_add(thumb_cmc_59, thumb_ab_10, thumb_fpl_23);
+    let thumb_cmc_89 = thumb_cmc_81 - thumb_fpl_27;
+    let thumb_mcp_3 = thumb_cmc_79 - thumb_fpl_30;
+    let thumb_ip_2 = thumb_fpl_33 + thumb_cmc_73;
+    let thumb_ab_12 = mul_add(thumb_fpl_21, thumb_fpl_17, thumb_epl_21 * thumb_epl_17);
+    let thumb_cmc_90 = neg_mul_add(thumb_epl_25, thumb_epl_17, thumb_cmc_86);
+    let thumb_mcp_4 = neg_mul_add(thumb_epl_30, thumb_epl_17, thumb_mcp_1);
+    force[3] = neg_mul_add(thumb_epl_34, thumb_epl_17, thumb_ip_1);
+    let thumb_epl_36 = index_edc_1 * thumb_epl_30;
+    let thumb_ab_13 = mul_add(thumb_fpl_21, thumb_fpl_34, thumb_epl_21 * thumb_epl_36);
+    let thumb_cmc_91 = neg_mul_add(thumb_epl_25, thumb_epl_36, thumb_cmc_87);
+    let thumb_epl_37 = index_edc_1 * thumb_epl_34;
+    let thumb_ab_14 = neg_mul_add(
+        thumb_fpl_21,
+        thumb_fpl_35,
+        thumb_epl_21 * thumb_epl_37,
+    );
+    let thumb_cmc_92 = neg_mul_add(thumb_epl_25, thumb_epl_37, thumb_cmc_88);
+    let thumb_mcp_5 = neg_mul_add(thumb_epl_30, thumb_epl_37, thumb_mcp_2);
+    let thumb_ab_15 = thumb_epl_23 + thumb_ab_11;
+    let thumb_ab_16 = thumb_epl_27 - thumb_fpl_26;
+    let thumb_cmc_93 = thumb_cmc_89 - thumb_epl_28;
+    let thumb_mcp_6 = thumb_mcp_3 - thumb_epl_32;
+    matrix[15] = -(thumb_epl_35 + thumb_ip_2);
+    let thumb_ab_17 = neg_mul_add(thumb_epb_12, thumb_epb_8, thumb_ab_12);
+    let thumb_cmc_94 = neg_mul_add(thumb_epb_15, thumb_epb_8, thumb_cmc_90);
+    let thumb_mcp_7 = neg_mul_add(thumb_epl_30, thumb_epb_8, thumb_mcp_4);
+    let thumb_epb_21 = index_interosseous_1 * thumb_epl_30;
+    let thumb_ab_18 = neg_mul_add(thumb_epb_12, thumb_epb_21, thumb_ab_13);
+    let thumb_cmc_95 = neg_mul_add(thumb_epb_15, thumb_epb_21, thumb_cmc_91);
+    let thumb_ab_19 = thumb_epb_14 + thumb_ab_15;
+    let thumb_ab_20 = thumb_ab_16 - thumb_epb_17;
+    let thumb_cmc_96 = thumb_cmc_93 - thumb_epb_18;
+    let thumb_mcp_8 = thumb_mcp_6 - thumb_epb_20;
+    let thumb_ab_21 = neg_mul_add(thumb_apl_16, thumb_apl_13, thumb_ab_17);
+    let thumb_cmc_97 = neg_mul_add(thumb_apl_19, thumb_apl_13, thumb_cmc_94);
+    let thumb_ab_22 = thumb_apl_18 + thumb_ab_19;
+    let thumb_ab_23 = thumb_ab_20 - thumb_apl_21;
+    let thumb_cmc_98 = thumb_cmc_96 - thumb_apl_22;
+    let thumb_ab_24 = neg_mul_add(thumb_apb_18, thumb_apb_14, thumb_ab_21);
+    let thumb_cmc_99 = mul_add(thumb_apb_21, thumb_apb_14, thumb_cmc_97);
+    let thumb_mcp_9 = mul_add(thumb_apb_26, thumb_apb_14, thumb_mcp_7);
+    let thumb_apb_28 = index_interosseous_1 * thumb_apb_26;
+    let thumb_ab_25 = mul_add(thumb_apb_18, thumb_apb_28, thumb_ab_18);
+    let thumb_cmc_100 = neg_mul_add(thumb_apb_21, thumb_apb_28, thumb_cmc_95);
+    let thumb_ab_26 = thumb_apb_20 + thumb_ab_22;
+    let thumb_ab_27 = thumb_ab_23 - thumb_apb_23;
+    let thumb_cmc_101 = thumb_cmc_98 - thumb_apb_24;
+    let thumb_mcp_10 = thumb_mcp_8 - thumb_apb_27;
+    let thumb_ab_28 = mul_add(thumb_opp_14, thumb_opp_11, thumb_ab_24);
+    let thumb_cmc_102 = mul_add(thumb_opp_17, thumb_opp_11, thumb_cmc_99);
+    let thumb_ab_29 = thumb_opp_16 + thumb_ab_26;
+    let thumb_ab_30 = thumb_ab_27 - thumb_opp_19;
+    let thumb_cmc_103 = thumb_cmc_101 - thumb_opp_20;
+    force[0] = neg_mul_add(thumb_adp_18, thumb_adp_14, thumb_ab_28);
+    force[1] = mul_add(thumb_adp_21, thumb_adp_14, thumb_cmc_102);
+    force[2] = mul_add(thumb_adp_26, thumb_adp_14, thumb_mcp_9);
+    let thumb_adp_28 = index_interosseous_1 * thumb_adp_26;
+    let thumb_ab_31 = mul_add(thumb_adp_18, thumb_adp_28, thumb_ab_25);
+    let thumb_cmc_104 = neg_mul_add(thumb_adp_21, thumb_adp_28, thumb_cmc_100);
+    matrix[0] = -(thumb_adp_20 + thumb_ab_29);
+    let thumb_ab_32 = thumb_adp_23 + thumb_ab_30;
+    matrix[5] = thumb_cmc_103 - thumb_adp_24;
+    matrix[10] = thumb_mcp_10 - thumb_adp_27;
+    matrix[4] = thumb_ab_32 - thumb_ab_8;
+    matrix[1] = thumb_ab_8 + thumb_ab_32;
+    matrix[8] = thumb_ab_31 - thumb_ab_5;
+    matrix[2] = thumb_ab_5 + thumb_ab_31;
+    matrix[9] = thumb_cmc_104 - thumb_cmc_83;
+    matrix[6] = thumb_cmc_83 + thumb_cmc_104;
+    matrix[12] = thumb_ab_14 - thumb_ab_3;
+    matrix[3] = thumb_ab_3 + thumb_ab_14;
+    matrix[13] = thumb_cmc_92 - thumb_cmc_85;
+    matrix[7] = thumb_cmc_85 + thumb_cmc_92;
+    matrix[14] = thumb_mcp_5 - thumb_cmc_84;
+    matrix[11] = thumb_cmc_84 + thumb_mcp_5;
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -1352,71 +1357,73 @@ pub fn mass_matrix<L: Lane>(q: &[L; 4], matrix: &mut [L; 16]) {
     let q_thumb_cmc = q[1];
     let q_thumb_mcp = q[2];
     let q_thumb_ip = q[3];
-    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    matrix[15] = L::splat(1.0764248252162773e-6);
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_ab_1 = mul_add(
+    let thumb_ab_1 = neg_mul_add(
+        sin_thumb_cmc,
+        L::splat(4.943365874069823e-5) * sin_thumb_cmc,
+        L::splat(2.4716829370349116e-5),
+    );
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let thumb_ab_2 = mul_add(
         sin_thumb_cmc,
         cos_thumb_mcp,
         cos_thumb_cmc * sin_thumb_mcp,
     );
-    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_ab_2 = mul_sub(
+    let thumb_ab_3 = neg_mul_add(
+        thumb_ab_2,
+        L::splat(9.42724093757499e-6) * thumb_ab_2,
+        L::splat(4.713620468787495e-6),
+    );
+    let thumb_ab_4 = mul_sub(
         cos_thumb_cmc,
         cos_thumb_mcp,
         sin_thumb_cmc * sin_thumb_mcp,
     );
-    let thumb_ab_3 = L::splat(6.59048003551084e-5)
-        * mul_sub(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
-    let thumb_ab_4 = thumb_ab_3 * (L::splat(0.0316) * thumb_ab_2);
-    let thumb_ab_5 = mul_add(
-        L::splat(2.0),
-        thumb_ab_4,
-        neg_mul_add(
-            thumb_ab_1,
-            L::splat(9.42724093757499e-6) * thumb_ab_1,
-            L::splat(4.713620468787495e-6),
-        ),
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_ab_5 = mul_add(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_4);
+    let thumb_ab_6 = neg_mul_add(
+        thumb_ab_5,
+        L::splat(8.304207317248589e-7) * thumb_ab_5,
+        L::splat(4.1521036586242944e-7),
     );
-    let thumb_ab_6 = L::splat(0.00036448271648406014) * thumb_ab_2;
-    let thumb_ab_7 = L::splat(0.046200000000000005) * cos_thumb_cmc;
-    let thumb_ab_8 = mul_add(
-        L::splat(2.0),
-        (thumb_ab_3 + thumb_ab_6) * thumb_ab_7,
-        neg_mul_add(
-            sin_thumb_cmc,
-            L::splat(4.943365874069823e-5) * sin_thumb_cmc,
-            L::splat(2.4716829370349116e-5),
-        ),
+    let thumb_cmc_1 = L::splat(0.00036448271648406014) * thumb_ab_4;
+    let thumb_cmc_2 = L::splat(0.046200000000000005) * cos_thumb_cmc;
+    let thumb_cmc_3 = L::splat(0.046200000000000005) * sin_thumb_cmc;
+    let thumb_cmc_4 = mul_add(
+        thumb_cmc_3,
+        L::splat(0.00036448271648406014) * thumb_ab_2,
+        thumb_cmc_2 * thumb_cmc_1,
     );
-    let thumb_ab_9 = mul_add(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
-    matrix[0] = thumb_ab_5 + (L::splat(3.180643293651146e-5) + thumb_ab_8)
-        + neg_mul_add(
-            thumb_ab_9,
-            L::splat(8.304207317248589e-7) * thumb_ab_9,
-            L::splat(4.1521036586242944e-7),
-        );
-    let thumb_cmc_1 = L::splat(6.59048003551084e-5) * thumb_ab_9;
-    let thumb_cmc_2 = mul_add(thumb_cmc_1, L::splat(0.0316) * thumb_ab_1, thumb_ab_4);
-    let thumb_cmc_3 = L::splat(1.0764248252162773e-6) + thumb_cmc_2;
-    let thumb_cmc_4 = thumb_cmc_3 + (L::splat(9.973249740768897e-6) + thumb_cmc_2);
-    let thumb_cmc_5 = L::splat(0.046200000000000005) * sin_thumb_cmc;
-    let thumb_cmc_6 = mul_add(thumb_cmc_5, thumb_cmc_1, thumb_ab_3 * thumb_ab_7);
-    let thumb_cmc_7 = mul_add(
-        thumb_cmc_5,
-        L::splat(0.00036448271648406014) * thumb_ab_1,
-        thumb_ab_6 * thumb_ab_7,
-    ) + thumb_cmc_6;
-    let thumb_cmc_8 = thumb_cmc_7 + thumb_cmc_4;
-    matrix[5] = L::splat(5.060241857552533e-5) + thumb_cmc_7 + thumb_cmc_8;
-    matrix[6] = thumb_cmc_8;
-    let thumb_cmc_9 = thumb_cmc_6 + thumb_cmc_3;
-    matrix[7] = thumb_cmc_9;
-    matrix[9] = thumb_cmc_8;
-    matrix[10] = thumb_cmc_4;
-    matrix[11] = thumb_cmc_3;
-    matrix[13] = thumb_cmc_9;
-    matrix[14] = thumb_cmc_3;
-    matrix[15] = L::splat(1.0764248252162773e-6);
+    let thumb_cmc_5 = L::splat(6.59048003551084e-5)
+        * mul_sub(cos_thumb_ip, thumb_ab_4, sin_thumb_ip * thumb_ab_2);
+    let thumb_cmc_6 = L::splat(6.59048003551084e-5) * thumb_ab_5;
+    let thumb_cmc_7 = mul_add(thumb_cmc_3, thumb_cmc_6, thumb_cmc_2 * thumb_cmc_5);
+    let thumb_cmc_8 = L::splat(0.0316) * thumb_ab_4 * thumb_cmc_5;
+    let thumb_cmc_9 = mul_add(L::splat(0.0316) * thumb_ab_2, thumb_cmc_6, thumb_cmc_8);
+    let thumb_ab_7 = mul_add(
+        L::splat(2.0),
+        thumb_cmc_2 * (thumb_cmc_1 + thumb_cmc_5),
+        thumb_ab_1,
+    );
+    let thumb_ab_8 = L::splat(3.180643293651146e-5) + thumb_ab_7;
+    let thumb_ab_9 = mul_add(L::splat(2.0), thumb_cmc_8, thumb_ab_3);
+    matrix[0] = thumb_ab_6 + (thumb_ab_8 + thumb_ab_9);
+    let thumb_cmc_10 = thumb_cmc_4 + thumb_cmc_7;
+    let thumb_cmc_11 = L::splat(9.973249740768897e-6) + thumb_cmc_9;
+    let thumb_cmc_12 = L::splat(5.060241857552533e-5) + thumb_cmc_10;
+    let thumb_cmc_13 = L::splat(1.0764248252162773e-6) + thumb_cmc_9;
+    matrix[11] = thumb_cmc_13;
+    matrix[14] = thumb_cmc_13;
+    let thumb_cmc_14 = thumb_cmc_7 + thumb_cmc_13;
+    matrix[7] = thumb_cmc_14;
+    matrix[13] = thumb_cmc_14;
+    let thumb_cmc_15 = thumb_cmc_11 + thumb_cmc_13;
+    matrix[10] = thumb_cmc_15;
+    let thumb_cmc_16 = thumb_cmc_10 + thumb_cmc_15;
+    matrix[6] = thumb_cmc_16;
+    matrix[9] = thumb_cmc_16;
+    matrix[5] = thumb_cmc_12 + thumb_cmc_16;
 }
 
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
@@ -1427,28 +1434,27 @@ pub fn mass_matrix<L: Lane>(q: &[L; 4], matrix: &mut [L; 16]) {
 ///
 /// Strands: `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
 ///
-/// 179 operations: 41 sums, 33 products, 44 products with sum, 13 roots, 4 sines and cosines.
+/// 180 operations: 40 sums, 35 products, 44 products with sum, 13 roots, 4 sines and cosines.
 #[inline(always)]
 pub fn lengths<L: Lane>(q: &[L; 4], lengths: &mut [L; 7]) {
     let q_thumb_ab = q[0];
     let q_thumb_cmc = q[1];
     let q_thumb_mcp = q[2];
     let q_thumb_ip = q[3];
-    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let index_fdp_1 = L::splat(0.012) * sin_thumb_cmc;
     let index_fdp_2 = L::splat(0.012) * cos_thumb_cmc;
-    let thumb_fpl_1 = index_fdp_2 - index_fdp_1
-        + mul_add(
-            L::splat(0.003),
-            sin_thumb_ab,
-            L::splat(0.008000000000000002) * cos_thumb_ab,
-        );
+    let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
+    let thumb_fpl_1 = mul_add(
+        L::splat(0.008000000000000004),
+        cos_thumb_ab,
+        L::splat(0.0029999999999999996) * sin_thumb_ab,
+    ) + (index_fdp_2 - index_fdp_1);
     let thumb_fpl_2 = L::splat(-0.002)
-        - neg_mul_add(
-            L::splat(0.003),
-            cos_thumb_ab,
-            L::splat(0.008000000000000002) * sin_thumb_ab,
+        - mul_sub(
+            L::splat(0.008000000000000004),
+            sin_thumb_ab,
+            L::splat(0.0029999999999999996) * cos_thumb_ab,
         );
     let thumb_fpl_3 = L::splat(0.012000000000000004) - (index_fdp_2 + index_fdp_1);
     let thumb_fpl_4 = mul_add(
@@ -1460,9 +1466,9 @@ pub fn lengths<L: Lane>(q: &[L; 4], lengths: &mut [L; 7]) {
     let thumb_fpl_5 = sqrt(
         L::splat(0.00042100000000000004)
             - mul_add(
-                L::splat(0.00042),
-                sin_thumb_mcp,
-                L::splat(1.9999999999999944e-5) * cos_thumb_mcp,
+                L::splat(1.9999999999999944e-5),
+                cos_thumb_mcp,
+                L::splat(0.00042) * sin_thumb_mcp,
             ),
     );
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
@@ -1474,65 +1480,74 @@ pub fn lengths<L: Lane>(q: &[L; 4], lengths: &mut [L; 7]) {
                 L::splat(0.00029759999999999997) * sin_thumb_ip,
             ),
     );
-    lengths[0] = thumb_fpl_6
-        + (thumb_fpl_5 + (L::splat(0.0774786774042295) + sqrt(thumb_fpl_4)));
-    let thumb_epl_1 = L::splat(0.004) * cos_thumb_ab;
-    let thumb_epl_2 = mul_add(L::splat(0.004), cos_thumb_cmc, index_fdp_1);
-    let thumb_epl_3 = thumb_epl_2 + mul_add(L::splat(0.008), sin_thumb_ab, thumb_epl_1);
-    let thumb_epl_4 = L::splat(0.004) * sin_thumb_ab;
-    let thumb_epl_5 = L::splat(-0.008)
-        - neg_mul_add(L::splat(0.008), cos_thumb_ab, thumb_epl_4);
-    let thumb_epl_6 = neg_mul_add(L::splat(0.004), sin_thumb_cmc, index_fdp_2);
-    let thumb_epl_7 = L::splat(-0.012) + thumb_epl_6;
-    let thumb_epl_8 = mul_add(
-        thumb_epl_7,
-        thumb_epl_7,
-        mul_add(thumb_epl_5, thumb_epl_5, thumb_epl_3 * thumb_epl_3),
+    lengths[0] = L::splat(0.0774786774042295) + sqrt(thumb_fpl_4) + thumb_fpl_5
+        + thumb_fpl_6;
+    let thumb_epl_1 = mul_add(L::splat(0.004), cos_thumb_cmc, index_fdp_1);
+    let thumb_epl_2 = mul_add(
+        L::splat(0.004),
+        cos_thumb_ab,
+        L::splat(0.008) * sin_thumb_ab,
+    ) + thumb_epl_1;
+    let thumb_epl_3 = L::splat(-0.008)
+        - neg_mul_add(L::splat(0.008), cos_thumb_ab, L::splat(0.004) * sin_thumb_ab);
+    let thumb_epl_4 = L::splat(-0.012000000000000004)
+        + neg_mul_add(L::splat(0.004), sin_thumb_cmc, index_fdp_2);
+    let thumb_epl_5 = mul_add(
+        thumb_epl_4,
+        thumb_epl_4,
+        mul_add(thumb_epl_2, thumb_epl_2, thumb_epl_3 * thumb_epl_3),
     );
-    let thumb_epl_9 = sqrt(
+    let thumb_epl_6 = sqrt(
         L::splat(0.00025309000000000003)
-            - neg_mul_add(
-                L::splat(0.0001034),
-                sin_thumb_mcp,
-                L::splat(0.00023099999999999998) * cos_thumb_mcp,
+            - mul_sub(
+                L::splat(0.00023099999999999998),
+                cos_thumb_mcp,
+                L::splat(0.0001034) * sin_thumb_mcp,
             ),
     );
-    let thumb_epl_10 = sqrt(
+    let thumb_epl_7 = sqrt(
         L::splat(0.00021066000000000002)
-            - neg_mul_add(
-                L::splat(9.200000000000003e-5),
-                sin_thumb_ip,
-                L::splat(0.0001895) * cos_thumb_ip,
+            - mul_sub(
+                L::splat(0.0001895),
+                cos_thumb_ip,
+                L::splat(9.200000000000003e-5) * sin_thumb_ip,
             ),
     );
-    lengths[1] = thumb_epl_9 + (L::splat(0.10924140044546013) + sqrt(thumb_epl_8))
-        + thumb_epl_10;
-    let thumb_epb_1 = thumb_epl_2
-        - mul_sub(L::splat(0.005000000000000003), sin_thumb_ab, thumb_epl_1);
+    lengths[1] = L::splat(0.10924140044546013) + sqrt(thumb_epl_5) + thumb_epl_6
+        + thumb_epl_7;
+    let thumb_epb_1 = thumb_epl_1
+        - neg_mul_add(
+            L::splat(0.003999999999999999),
+            cos_thumb_ab,
+            L::splat(0.005000000000000001) * sin_thumb_ab,
+        );
     let thumb_epb_2 = L::splat(0.005)
-        - mul_add(L::splat(0.005000000000000003), cos_thumb_ab, thumb_epl_4);
-    let thumb_epb_3 = L::splat(-0.012000000000000004) + thumb_epl_6;
-    let thumb_epb_4 = mul_add(
-        thumb_epb_3,
-        thumb_epb_3,
+        - mul_add(
+            L::splat(0.005000000000000001),
+            cos_thumb_ab,
+            L::splat(0.003999999999999999) * sin_thumb_ab,
+        );
+    let thumb_epb_3 = mul_add(
+        thumb_epl_4,
+        thumb_epl_4,
         mul_add(thumb_epb_1, thumb_epb_1, thumb_epb_2 * thumb_epb_2),
     );
-    lengths[2] = thumb_epl_9 + (L::splat(0.07536380062479958) + sqrt(thumb_epb_4));
+    lengths[2] = thumb_epl_6 + (L::splat(0.07536380062479958) + sqrt(thumb_epb_3));
     let thumb_apl_1 = L::splat(0.006) * cos_thumb_cmc;
     let thumb_apl_2 = mul_add(L::splat(0.004), sin_thumb_cmc, thumb_apl_1)
         - neg_mul_add(
             L::splat(0.007000000000000001),
             cos_thumb_ab,
-            L::splat(0.012000000000000002) * sin_thumb_ab,
+            L::splat(0.012000000000000004) * sin_thumb_ab,
         );
     let thumb_apl_3 = L::splat(0.012)
         - mul_add(
-            L::splat(0.007000000000000001),
-            sin_thumb_ab,
-            L::splat(0.012000000000000002) * cos_thumb_ab,
+            L::splat(0.012000000000000004),
+            cos_thumb_ab,
+            L::splat(0.007000000000000001) * sin_thumb_ab,
         );
     let thumb_apl_4 = L::splat(0.006) * sin_thumb_cmc;
-    let thumb_apl_5 = L::splat(-0.005000000000000003)
+    let thumb_apl_5 = L::splat(-0.005)
         + mul_sub(L::splat(0.004), cos_thumb_cmc, thumb_apl_4);
     let thumb_apl_6 = mul_add(
         thumb_apl_5,
@@ -1540,28 +1555,28 @@ pub fn lengths<L: Lane>(q: &[L; 4], lengths: &mut [L; 7]) {
         mul_add(thumb_apl_2, thumb_apl_2, thumb_apl_3 * thumb_apl_3),
     );
     lengths[3] = L::splat(0.030550892117392127) + sqrt(thumb_apl_6);
-    let thumb_apb_1 = neg_mul_add(
-        L::splat(0.007),
-        sin_thumb_cmc,
-        L::splat(0.03) * cos_thumb_cmc,
+    let thumb_apb_1 = mul_sub(
+        L::splat(0.03),
+        cos_thumb_cmc,
+        L::splat(0.007) * sin_thumb_cmc,
     )
         - neg_mul_add(
             L::splat(0.00874910502142235),
             cos_thumb_ab,
-            L::splat(0.003271760106466038) * sin_thumb_ab,
+            L::splat(0.003271760106466037) * sin_thumb_ab,
         );
     let thumb_apb_2 = L::splat(0.009)
         - mul_add(
-            L::splat(0.00874910502142235),
-            sin_thumb_ab,
-            L::splat(0.003271760106466038) * cos_thumb_ab,
+            L::splat(0.003271760106466037),
+            cos_thumb_ab,
+            L::splat(0.00874910502142235) * sin_thumb_ab,
         );
-    let thumb_apb_3 = L::splat(0.013294688681193689)
-        - mul_add(L::splat(0.03), sin_thumb_cmc, L::splat(0.007) * cos_thumb_cmc);
+    let thumb_apb_3 = L::splat(0.01329468868119369)
+        - mul_add(L::splat(0.007), cos_thumb_cmc, L::splat(0.03) * sin_thumb_cmc);
     let thumb_apb_4 = mul_add(
         thumb_apb_3,
         thumb_apb_3,
-        mul_add(thumb_apb_2, thumb_apb_2, thumb_apb_1 * thumb_apb_1),
+        mul_add(thumb_apb_1, thumb_apb_1, thumb_apb_2 * thumb_apb_2),
     );
     let thumb_apb_5 = sqrt(
         L::splat(0.00020423999999999998)
@@ -1571,20 +1586,15 @@ pub fn lengths<L: Lane>(q: &[L; 4], lengths: &mut [L; 7]) {
                 L::splat(0.0001944) * sin_thumb_mcp,
             ),
     );
-    lengths[4] = thumb_apb_5 + (L::splat(0.008062257748298557) + sqrt(thumb_apb_4));
-    let thumb_opp_1 = neg_mul_add(
-        L::splat(0.01),
-        sin_thumb_cmc,
-        L::splat(0.028) * cos_thumb_cmc,
-    )
-        + mul_add(
-            L::splat(0.0004652729262143015),
-            sin_thumb_ab,
-            L::splat(0.009538977305795334) * cos_thumb_ab,
-        );
+    lengths[4] = L::splat(0.008062257748298557) + sqrt(thumb_apb_4) + thumb_apb_5;
+    let thumb_opp_1 = mul_add(
+        L::splat(0.009538977305795334),
+        cos_thumb_ab,
+        L::splat(0.00046527292621430325) * sin_thumb_ab,
+    ) + neg_mul_add(L::splat(0.01), sin_thumb_cmc, L::splat(0.028) * cos_thumb_cmc);
     let thumb_opp_2 = L::splat(0.004)
         - neg_mul_add(
-            L::splat(0.0004652729262143015),
+            L::splat(0.00046527292621430325),
             cos_thumb_ab,
             L::splat(0.009538977305795334) * sin_thumb_ab,
         );
@@ -1597,18 +1607,18 @@ pub fn lengths<L: Lane>(q: &[L; 4], lengths: &mut [L; 7]) {
     );
     lengths[5] = sqrt(thumb_opp_4);
     let thumb_adp_1 = mul_sub(L::splat(0.038000000000000006), cos_thumb_cmc, thumb_apl_4)
-        - neg_mul_add(
-            L::splat(0.029821276684971587),
-            sin_thumb_ab,
-            L::splat(0.025486067515228545) * cos_thumb_ab,
+        - mul_sub(
+            L::splat(0.025486067515228545),
+            cos_thumb_ab,
+            L::splat(0.029821276684971594) * sin_thumb_ab,
         );
     let thumb_adp_2 = L::splat(-0.009)
         + mul_add(
-            L::splat(0.025486067515228545),
-            sin_thumb_ab,
-            L::splat(0.029821276684971587) * cos_thumb_ab,
+            L::splat(0.029821276684971594),
+            cos_thumb_ab,
+            L::splat(0.025486067515228545) * sin_thumb_ab,
         );
-    let thumb_adp_3 = L::splat(0.040658969729785124)
+    let thumb_adp_3 = L::splat(0.04065896972978512)
         - mul_add(L::splat(0.038000000000000006), sin_thumb_cmc, thumb_apl_1);
     let thumb_adp_4 = mul_add(
         thumb_adp_3,
@@ -1623,7 +1633,7 @@ pub fn lengths<L: Lane>(q: &[L; 4], lengths: &mut [L; 7]) {
                 L::splat(0.000178) * sin_thumb_mcp,
             ),
     );
-    lengths[6] = thumb_adp_5 + sqrt(thumb_adp_4);
+    lengths[6] = sqrt(thumb_adp_4) + thumb_adp_5;
 }
 
 /// Where the numbers of each block stand.
@@ -1641,9 +1651,9 @@ pub static PLACES: [Place<4, 7, 0>; 1] = [
 pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 3]; 1] {
     [
         [
-            params[parameter::K_INTRINSIC],
             params[parameter::K_FLEXOR],
             params[parameter::K_EXTENSOR],
+            params[parameter::K_INTRINSIC],
         ],
     ]
 }

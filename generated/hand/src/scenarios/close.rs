@@ -78,10 +78,17 @@ pub fn records(q: &[f64; COORDINATES], records: &mut [f64]) {
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
     let thumb_fpl_1 = 0.012 * sin_thumb_cmc;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_fpl_2 = mul_add(0.008000000000000002, cos_thumb_ab, 0.003 * sin_thumb_ab)
-        + mul_sub(0.012, cos_thumb_cmc, thumb_fpl_1);
+    let thumb_fpl_2 = mul_add(
+        0.008000000000000004,
+        cos_thumb_ab,
+        0.0029999999999999996 * sin_thumb_ab,
+    ) + mul_sub(0.012, cos_thumb_cmc, thumb_fpl_1);
     let thumb_fpl_3 = -0.002
-        - neg_mul_add(0.003, cos_thumb_ab, 0.008000000000000002 * sin_thumb_ab);
+        - neg_mul_add(
+            0.0029999999999999996,
+            cos_thumb_ab,
+            0.008000000000000004 * sin_thumb_ab,
+        );
     let thumb_fpl_4 = 0.012000000000000004 - mul_add(0.012, cos_thumb_cmc, thumb_fpl_1);
     let thumb_fpl_5 = mul_add(
         thumb_fpl_4,

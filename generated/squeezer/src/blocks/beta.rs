@@ -4,7 +4,7 @@
 
 use crate::layout::{PARAMETERS, VALUES, parameter};
 use handc_core::lane::Lane;
-use handc_core::lane::functions::{mul_add, neg_mul_add, sin_cos};
+use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos};
 use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
@@ -21,8 +21,8 @@ pub fn evaluate<L: Lane>(
     q: &[L; 2],
     v: &[L; 2],
     constants: &[f64],
-    momentum: &mut [L; 2],
     force: &mut [L; 2],
+    momentum: &mut [L; 2],
 ) {
     let constants = &constants[..7 * L::WIDTH];
     let q_theta = q[1];
@@ -35,20 +35,20 @@ pub fn evaluate<L: Lane>(
     let c_4 = L::load(&constants[4 * L::WIDTH..]);
     let c_5 = L::load(&constants[5 * L::WIDTH..]);
     let c_6 = L::load(&constants[6 * L::WIDTH..]);
+    force[0] = c_0;
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(sin_theta, c_1, cos_theta * c_0);
-    let beta_2 = v_beta + v_theta;
-    let beta_3 = beta_2 * beta_1;
-    let beta_4 = mul_add(sin_theta, c_0, cos_theta * c_1);
-    let beta_5 = beta_2 * beta_4;
-    let beta_6 = mul_add(v_beta, c_5, mul_add(c_2, beta_5, c_3 * beta_3));
-    let beta_7 = v_beta * c_3;
-    let beta_8 = v_beta * c_2;
-    let beta_9 = mul_add(beta_2, c_4, mul_add(beta_4, beta_8, beta_1 * beta_7));
-    momentum[0] = beta_9 + beta_6;
-    momentum[1] = beta_9;
-    force[0] = c_6;
-    force[1] = neg_mul_add(beta_7, beta_5, beta_8 * beta_3);
+    let beta_1 = mul_add(cos_theta, c_6, sin_theta * c_5);
+    let beta_2 = v_beta * c_3;
+    let beta_3 = mul_sub(cos_theta, c_5, sin_theta * c_6);
+    let beta_4 = v_beta * c_4;
+    let beta_5 = v_beta + v_theta;
+    let beta_6 = mul_add(beta_5, c_1, mul_add(beta_4, beta_3, beta_2 * beta_1));
+    momentum[1] = beta_6;
+    let theta_1 = beta_5 * beta_1;
+    let theta_2 = beta_5 * beta_3;
+    force[1] = mul_sub(beta_2, theta_2, beta_4 * theta_1);
+    let beta_7 = mul_add(v_beta, c_2, mul_add(c_4, theta_2, c_3 * theta_1));
+    momentum[0] = beta_6 + beta_7;
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -66,8 +66,8 @@ pub fn evaluate_with_matrix<L: Lane>(
     v: &[L; 2],
     h: L,
     constants: &[f64],
-    momentum: &mut [L; 2],
     force: &mut [L; 2],
+    momentum: &mut [L; 2],
     matrix: &mut [L; 4],
 ) {
     let constants = &constants[..7 * L::WIDTH];
@@ -81,31 +81,33 @@ pub fn evaluate_with_matrix<L: Lane>(
     let c_4 = L::load(&constants[4 * L::WIDTH..]);
     let c_5 = L::load(&constants[5 * L::WIDTH..]);
     let c_6 = L::load(&constants[6 * L::WIDTH..]);
+    force[0] = c_0;
     let (sin_theta, cos_theta) = sin_cos(q_theta);
-    let beta_1 = neg_mul_add(sin_theta, c_1, cos_theta * c_0);
-    let beta_2 = v_beta + v_theta;
-    let beta_3 = beta_2 * beta_1;
-    let beta_4 = mul_add(sin_theta, c_0, cos_theta * c_1);
-    let beta_5 = beta_2 * beta_4;
-    let beta_6 = mul_add(v_beta, c_5, mul_add(c_2, beta_5, c_3 * beta_3));
-    let beta_7 = v_beta * c_3;
-    let beta_8 = v_beta * c_2;
-    let beta_9 = mul_add(beta_2, c_4, mul_add(beta_4, beta_8, beta_1 * beta_7));
-    momentum[0] = beta_9 + beta_6;
-    momentum[1] = beta_9;
-    force[0] = c_6;
-    force[1] = neg_mul_add(beta_7, beta_5, beta_8 * beta_3);
-    let beta_10 = L::splat(0.25) * h * mul_add(beta_7, beta_3, beta_8 * beta_5);
-    let beta_11 = L::splat(1.0) / h;
-    let beta_12 = neg_mul_add(beta_11, mul_add(beta_4, c_2, beta_1 * c_3), beta_10);
-    let beta_13 = mul_add(beta_11, c_4, beta_10);
-    let beta_14 = beta_12 - beta_13;
-    matrix[0] = beta_14 + (beta_12 - mul_add(beta_11, c_5, beta_10));
-    let beta_15 = neg_mul_add(c_2, beta_1, beta_4 * c_3);
-    let beta_16 = L::splat(0.5) * (v_beta + beta_2);
-    matrix[1] = mul_add(beta_16, beta_15, beta_14);
-    matrix[2] = neg_mul_add(beta_16, beta_15, beta_14);
-    matrix[3] = -beta_13;
+    let beta_1 = mul_add(cos_theta, c_6, sin_theta * c_5);
+    let beta_2 = v_beta * c_3;
+    let beta_3 = mul_sub(cos_theta, c_5, sin_theta * c_6);
+    let beta_4 = v_beta * c_4;
+    let beta_5 = v_beta + v_theta;
+    let beta_6 = mul_add(beta_5, c_1, mul_add(beta_4, beta_3, beta_2 * beta_1));
+    momentum[1] = beta_6;
+    let theta_1 = beta_5 * beta_1;
+    let theta_2 = beta_5 * beta_3;
+    force[1] = mul_sub(beta_2, theta_2, beta_4 * theta_1);
+    let beta_7 = mul_add(v_beta, c_2, mul_add(c_4, theta_2, c_3 * theta_1));
+    momentum[0] = beta_6 + beta_7;
+    let beta_8 = L::splat(0.25) * h * mul_add(beta_2, theta_1, beta_4 * theta_2);
+    let beta_9 = L::splat(1.0) / h;
+    let beta_10 = mul_add(beta_9, c_2, beta_8);
+    let beta_11 = neg_mul_add(beta_9, mul_add(c_4, beta_3, c_3 * beta_1), beta_8);
+    let beta_12 = mul_add(beta_9, c_1, beta_8);
+    matrix[3] = -beta_12;
+    let beta_13 = beta_11 - beta_10;
+    let beta_14 = beta_11 - beta_12;
+    matrix[0] = beta_13 + beta_14;
+    let theta_3 = mul_sub(c_4, beta_1, c_3 * beta_3);
+    let theta_4 = L::splat(0.5) * (v_beta + beta_5);
+    matrix[2] = neg_mul_add(theta_4, theta_3, beta_14);
+    matrix[1] = mul_add(theta_4, theta_3, beta_14);
 }
 
 /// Mass matrix M = ∂²L/∂v².
@@ -119,25 +121,26 @@ pub fn evaluate_with_matrix<L: Lane>(
 /// 13 operations: 3 sums, 3 products, 3 products with sum, 1 sine and cosine.
 #[inline(always)]
 pub fn mass_matrix<L: Lane>(q: &[L; 2], constants: &[f64], matrix: &mut [L; 4]) {
-    let constants = &constants[..6 * L::WIDTH];
+    let constants = &constants[..7 * L::WIDTH];
     let q_theta = q[1];
-    let c_0 = L::load(&constants[0 * L::WIDTH..]);
     let c_1 = L::load(&constants[1 * L::WIDTH..]);
     let c_2 = L::load(&constants[2 * L::WIDTH..]);
     let c_3 = L::load(&constants[3 * L::WIDTH..]);
     let c_4 = L::load(&constants[4 * L::WIDTH..]);
     let c_5 = L::load(&constants[5 * L::WIDTH..]);
+    let c_6 = L::load(&constants[6 * L::WIDTH..]);
+    matrix[3] = c_1;
     let (sin_theta, cos_theta) = sin_cos(q_theta);
     let beta_1 = mul_add(
-        mul_add(sin_theta, c_0, cos_theta * c_1),
-        c_2,
-        neg_mul_add(sin_theta, c_1, cos_theta * c_0) * c_3,
+        c_4,
+        mul_sub(cos_theta, c_5, sin_theta * c_6),
+        c_3 * mul_add(cos_theta, c_6, sin_theta * c_5),
     );
-    let beta_2 = c_4 + beta_1;
-    matrix[0] = beta_2 + (c_5 + beta_1);
-    matrix[1] = beta_2;
-    matrix[2] = beta_2;
-    matrix[3] = c_4;
+    let beta_2 = c_2 + beta_1;
+    let beta_3 = c_1 + beta_1;
+    matrix[1] = beta_3;
+    matrix[2] = beta_3;
+    matrix[0] = beta_2 + beta_3;
 }
 
 /// Where the numbers of each block stand.
@@ -169,16 +172,16 @@ pub static PLACES: [Place<2, 0, 0>; 3] = [
 pub fn constants(params: &[f64; PARAMETERS], _values: &[f64; VALUES]) -> [[f64; 7]; 3] {
     [
         [
-            -4.1975e-5,
-            0.0,
-            0.0,
-            0.007,
+            params[parameter::MOM],
             9.237125e-7,
             2.4094568000000004e-6,
-            params[parameter::MOM],
+            0.0,
+            0.007,
+            -4.1975e-5,
+            0.0,
         ],
-        [0.0, -4.08774e-5, 0.0, 0.04, 8.03380146e-7, 6.6455736e-5, 0.0],
-        [4.08774e-5, 0.0, -0.04, 0.0, 8.03380146e-7, 3.981529833e-5, 0.0],
+        [0.0, 8.03380146e-7, 6.6455736e-5, 0.0, 0.04, 0.0, -4.08774e-5],
+        [0.0, 8.03380146e-7, 3.981529833e-5, -0.04, 0.0, 4.08774e-5, 0.0],
     ]
 }
 
@@ -196,7 +199,7 @@ impl Shape<2, 4, 2, 0, 0> for Equations {
         momentum: &mut [L; 2],
         force: &mut [L; 2],
     ) {
-        self::evaluate(&at.q, &at.v, constants, momentum, force);
+        self::evaluate(&at.q, &at.v, constants, force, momentum);
     }
 
     #[allow(unused_variables)]
@@ -213,8 +216,8 @@ impl Shape<2, 4, 2, 0, 0> for Equations {
             &at.v,
             at.h,
             constants,
-            momentum,
             force,
+            momentum,
             matrix,
         );
     }

@@ -4,7 +4,7 @@
 
 use crate::layout::{PARAMETERS, VALUES, parameter};
 use handc_core::lane::Lane;
-use handc_core::lane::functions::{mul_add, mul_sub, neg_mul_add, sin_cos, sqrt};
+use handc_core::lane::functions::{mul_add, mul_sub, sin_cos, sqrt, sqrt_recip};
 use handc_core::shape::{Local, Place, Shape};
 
 /// Momentum p = ∂L/∂v and force f = ∂L/∂q + F at the midpoint of a step.
@@ -15,37 +15,38 @@ use handc_core::shape::{Local, Place, Shape};
 ///
 /// Strands: `spring` (squeezer.hdl:71).
 ///
-/// 14 operations: 2 sums, 5 products, 2 products with sum, 1 division, 1 root, 1 sine and cosine.
+/// 15 operations: 2 sums, 6 products, 2 products with sum, 1 division, 1 root, 1 sine and cosine.
 #[inline(always)]
 pub fn evaluate<L: Lane>(
     q: &[L; 1],
     v: &[L; 1],
     rest: &[L; 1],
     constants: &[f64],
-    momentum: &mut [L; 1],
     force: &mut [L; 1],
+    momentum: &mut [L; 1],
 ) {
     let constants = &constants[..1 * L::WIDTH];
     let q_gamma = q[0];
     let v_gamma = v[0];
     let rest_spring = rest[0];
     let c_0 = L::load(&constants[0 * L::WIDTH..]);
-    momentum[0] = L::splat(1.6170147425e-5) * v_gamma;
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let spring_1 = sqrt(
+    let (spring_1, spring_2) = sqrt_recip(
         L::splat(0.0048012554)
             - mul_add(
-                L::splat(0.0033834),
-                sin_gamma,
-                L::splat(0.0006002800000000003) * cos_gamma,
+                L::splat(0.0006002800000000003),
+                cos_gamma,
+                L::splat(0.0033834) * sin_gamma,
             ),
     );
-    let spring_2 = neg_mul_add(
-        L::splat(0.0016917),
-        cos_gamma,
-        L::splat(0.00030014000000000017) * sin_gamma,
-    ) / spring_1;
-    force[0] = -(spring_2 * (c_0 * (spring_1 - rest_spring)));
+    let spring_3 = spring_2
+        * mul_sub(
+            L::splat(0.00030014000000000017),
+            sin_gamma,
+            L::splat(0.0016917) * cos_gamma,
+        ) * (c_0 * (spring_1 - rest_spring));
+    force[0] = -spring_3;
+    momentum[0] = L::splat(1.6170147425e-5) * v_gamma;
 }
 
 /// As [`evaluate`], and the Newton matrix −M/h + ½(L_qv − L_vq) + (h/4)(L_qq + F_q) + ½F_v.
@@ -64,8 +65,8 @@ pub fn evaluate_with_matrix<L: Lane>(
     h: L,
     rest: &[L; 1],
     constants: &[f64],
-    momentum: &mut [L; 1],
     force: &mut [L; 1],
+    momentum: &mut [L; 1],
     matrix: &mut [L; 1],
 ) {
     let constants = &constants[..1 * L::WIDTH];
@@ -73,20 +74,19 @@ pub fn evaluate_with_matrix<L: Lane>(
     let v_gamma = v[0];
     let rest_spring = rest[0];
     let c_0 = L::load(&constants[0 * L::WIDTH..]);
-    momentum[0] = L::splat(1.6170147425e-5) * v_gamma;
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
     let spring_1 = mul_add(
-        L::splat(0.0033834),
-        sin_gamma,
-        L::splat(0.0006002800000000003) * cos_gamma,
-    );
-    let spring_2 = sqrt(L::splat(0.0048012554) - spring_1);
-    let spring_3 = L::splat(1.0) / spring_2;
-    let spring_4 = neg_mul_add(
-        L::splat(0.0016917),
+        L::splat(0.0006002800000000003),
         cos_gamma,
-        L::splat(0.00030014000000000017) * sin_gamma,
-    ) * spring_3;
+        L::splat(0.0033834) * sin_gamma,
+    );
+    let (spring_2, spring_3) = sqrt_recip(L::splat(0.0048012554) - spring_1);
+    let spring_4 = spring_3
+        * mul_sub(
+            L::splat(0.00030014000000000017),
+            sin_gamma,
+            L::splat(0.0016917) * cos_gamma,
+        );
     let spring_5 = c_0 * (spring_2 - rest_spring);
     force[0] = -(spring_4 * spring_5);
     let spring_6 = L::splat(0.25) * h;
@@ -94,8 +94,9 @@ pub fn evaluate_with_matrix<L: Lane>(
     let spring_8 = mul_add(
         spring_4,
         spring_4 * mul_sub(spring_6, c_0, spring_7),
-        spring_7 * (L::splat(0.5) * spring_1),
+        L::splat(0.5) * spring_1 * spring_7,
     );
+    momentum[0] = L::splat(1.6170147425e-5) * v_gamma;
     matrix[0] = -(L::splat(1.6170147425e-5) / h + spring_8);
 }
 
@@ -129,9 +130,9 @@ pub fn lengths<L: Lane>(q: &[L; 1], lengths: &mut [L; 1]) {
     lengths[0] = sqrt(
         L::splat(0.0048012554)
             - mul_add(
-                L::splat(0.0033834),
-                sin_gamma,
-                L::splat(0.0006002800000000003) * cos_gamma,
+                L::splat(0.0006002800000000003),
+                cos_gamma,
+                L::splat(0.0033834) * sin_gamma,
             ),
     );
 }
@@ -166,7 +167,7 @@ impl Shape<1, 1, 1, 1, 0> for Equations {
         momentum: &mut [L; 1],
         force: &mut [L; 1],
     ) {
-        self::evaluate(&at.q, &at.v, &at.rest, constants, momentum, force);
+        self::evaluate(&at.q, &at.v, &at.rest, constants, force, momentum);
     }
 
     #[allow(unused_variables)]
@@ -184,8 +185,8 @@ impl Shape<1, 1, 1, 1, 0> for Equations {
             at.h,
             &at.rest,
             constants,
-            momentum,
             force,
+            momentum,
             matrix,
         );
     }
