@@ -5,7 +5,7 @@ use super::count::Operations;
 use super::cut::{Part, cut};
 use super::literal::integer;
 use super::name::{Taken, snake};
-use super::plan::Plan;
+use super::plan::{Order, Plan};
 use super::print::{Names, Printer, identifier};
 use super::schedule::schedule;
 use crate::graph::{Leaf, Node, Sym, Unary, label_of, node};
@@ -153,7 +153,9 @@ const ORDER: [&str; 18] = [
 impl Function {
     /// Emits the function.
     pub fn emit(&self, naming: &dyn Naming) -> Emitted {
-        let plan = Plan::new(&self.outputs);
+        // Parts hold the terms of the mechanics.
+        let order = if naming.over_lanes() { Order::TermByTerm } else { Order::OutputByOutput };
+        let plan = Plan::new(&self.outputs, order);
         let code = schedule(&self.outputs, &plan);
         let statements = &code.statements;
         let cut = cut(statements, self.longest);

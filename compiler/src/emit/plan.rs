@@ -26,6 +26,15 @@ struct Facts {
     fuses: u8,
 }
 
+/// In which order results are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// One after the other.
+    OutputByOutput,
+    /// Side by side, as the mechanics adds its terms to them: see [`Plan::sums`].
+    TermByTerm,
+}
+
 /// The decisions for one list of outputs.
 #[derive(Debug, Default)]
 pub struct Plan {
@@ -39,8 +48,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Decides for everything that `outputs` need.
-    pub fn new(outputs: &[Output]) -> Plan {
+    /// Decides for everything that `outputs` need, which are made in the given order.
+    pub fn new(outputs: &[Output], order: Order) -> Plan {
         let values: Vec<Sym> = outputs.iter().map(|output| output.value).collect();
         let nodes = reachable(&values);
         let facts = nodes.iter().map(|&symbol| (symbol, Facts::default())).collect();
@@ -48,7 +57,9 @@ impl Plan {
         plan.count_uses(&values);
         plan.find_roots();
         plan.fuse();
-        plan.find_sums(&values);
+        if order == Order::TermByTerm {
+            plan.find_sums(&values);
+        }
         plan.choose_variables(&values);
         plan
     }
@@ -74,7 +85,7 @@ impl Plan {
     }
 
     /// What is made in turn, each with the first output that needs it: results, and before them the
-    /// partial sums that they are made of.
+    /// partial sums that they are made of. Empty where it goes output by output.
     ///
     /// The mechanics goes from term to term and adds each to all results that it touches. In this order
     /// what belongs to one term, such as a strand, is done with before the next begins, so that few

@@ -1,7 +1,7 @@
-//! The order of statements: depth first from each partial sum in turn, so that a value is made
-//! shortly before its first use and what belongs to one term of the mechanics stands together.
+//! The order of statements: depth first from each result, or each of its partial sums, in turn, so
+//! that a value is made shortly before its first use.
 
-use super::code::{Expression, Fused, Output, Place, Statement};
+use super::code::{Expression, Fused, Output, Statement};
 use super::plan::Plan;
 use crate::graph::{Binary, Node, Sym, Unary, node};
 use std::collections::{HashMap, HashSet};
@@ -24,22 +24,23 @@ pub fn schedule(outputs: &[Output], plan: &Plan) -> Schedule {
         done: HashSet::new(),
         result: Schedule::default(),
     };
-    let mut stores: HashMap<Sym, Vec<usize>> = HashMap::new();
+    let mut places: HashMap<Sym, Vec<usize>> = HashMap::new();
     for (number, output) in outputs.iter().enumerate() {
-        stores.entry(output.value).or_default().push(number);
+        places.entry(output.value).or_default().push(number);
     }
     for &(sum, number) in plan.sums() {
         scheduler.make(sum, number);
-        let is_stored = |number: &&usize| outputs[**number].place != Place::Return;
-        for &number in stores.get(&sum).into_iter().flatten().filter(is_stored) {
+        for number in places.remove(&sum).into_iter().flatten() {
             let value = scheduler.operand(sum);
             scheduler.push(Statement::Store(number, value), number);
         }
     }
-    // A function ends with what it returns.
-    for (number, output) in outputs.iter().enumerate().filter(|(_, o)| o.place == Place::Return) {
-        let value = scheduler.operand(output.value);
-        scheduler.push(Statement::Store(number, value), number);
+    for (number, output) in outputs.iter().enumerate() {
+        if places.contains_key(&output.value) {
+            scheduler.make(output.value, number);
+            let value = scheduler.operand(output.value);
+            scheduler.push(Statement::Store(number, value), number);
+        }
     }
     scheduler.result
 }

@@ -3,7 +3,7 @@
 use super::code::{Expression, Fused, Output, Place, Statement};
 use super::cut::cut;
 use super::function::{Function, Naming};
-use super::plan::Plan;
+use super::plan::{Order, Plan};
 use super::schedule::schedule;
 use crate::graph::{Leaf, Sym, Unary, with_new};
 use handc_core::scalar::Scalar;
@@ -119,11 +119,13 @@ fn statements_compute_the_outputs() {
     with_new(|| {
         let values = sample();
         let outputs = outputs(values.clone());
-        let code = schedule(&outputs, &Plan::new(&outputs));
-        let found = run(&code.statements, values.len());
         let expected: Vec<f64> = values.iter().map(|&value| direct(value)).collect();
-        for (found, expected) in found.iter().zip(&expected) {
-            assert!((found - expected).abs() < 1e-13, "{found} instead of {expected}");
+        for order in [Order::OutputByOutput, Order::TermByTerm] {
+            let code = schedule(&outputs, &Plan::new(&outputs, order));
+            let found = run(&code.statements, values.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((found - expected).abs() < 1e-13, "{found} instead of {expected}");
+            }
         }
     });
 }
@@ -164,7 +166,7 @@ fn direct(symbol: Sym) -> f64 {
 fn parts_carry_values_across_the_cut() {
     with_new(|| {
         let outputs = outputs(sample());
-        let code = schedule(&outputs, &Plan::new(&outputs));
+        let code = schedule(&outputs, &Plan::new(&outputs, Order::TermByTerm));
         for limit in 1..code.statements.len() + 1 {
             let cut = cut(&code.statements, limit);
             let mut work: Vec<Option<Sym>> = vec![None; cut.workspace];

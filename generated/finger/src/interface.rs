@@ -69,7 +69,7 @@ impl Model for Finger {
     fn start(&mut self, q: &mut [f64], v: &mut [f64]) {
         let q = sized_mut(q);
         let v = sized_mut(v);
-        time::start(v, q);
+        time::start(q, v);
     }
 
     fn required_numbers(&mut self, numbers: &mut [f64]) {

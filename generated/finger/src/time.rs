@@ -19,11 +19,11 @@ pub fn required_numbers(params: &[f64; PARAMETERS], numbers: &mut [f64; NUMBERS]
 /// Coordinates and rates at the start.
 ///
 /// 0 operations.
-pub fn start(v: &mut [f64; COORDINATES], q: &mut [f64; COORDINATES]) {
+pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
+    q[coordinate::MCP] = -0.1;
+    q[coordinate::PIP] = -0.2;
+    q[coordinate::DIP] = -0.1;
     v[coordinate::MCP] = 0.0;
     v[coordinate::PIP] = 0.0;
     v[coordinate::DIP] = 0.0;
-    q[coordinate::MCP] = -0.1;
-    q[coordinate::DIP] = -0.1;
-    q[coordinate::PIP] = -0.2;
 }

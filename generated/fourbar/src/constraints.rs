@@ -21,13 +21,13 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
         cos_crank,
         0.35 * mul_sub(cos_crank, cos_coupler, sin_crank * sin_coupler),
     );
+    let (sin_rocker, cos_rocker) = sin_cos(q_rocker);
+    rows[row::PIN_X] = pin_1 - mul_add(0.3, cos_rocker, 0.4);
     let pin_2 = mul_add(
         0.1,
         sin_crank,
         0.35 * mul_add(sin_crank, cos_coupler, cos_crank * sin_coupler),
     );
-    let (sin_rocker, cos_rocker) = sin_cos(q_rocker);
-    rows[row::PIN_X] = pin_1 - mul_add(0.3, cos_rocker, 0.4);
     rows[row::PIN_Z] = neg_mul_add(0.3, sin_rocker, pin_2);
 }
 
@@ -42,14 +42,13 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let q_rocker = q[coordinate::ROCKER];
     let (sin_coupler, cos_coupler) = sin_cos(q_coupler);
     let (sin_crank, cos_crank) = sin_cos(q_crank);
-    let pin_1 = 0.35 * mul_sub(cos_crank, cos_coupler, sin_crank * sin_coupler);
-    jacobian[4] = pin_1;
-    jacobian[3] = mul_add(0.1, cos_crank, pin_1);
-    let pin_2 = 0.35 * mul_add(sin_crank, cos_coupler, cos_crank * sin_coupler);
-    let pin_3 = mul_add(0.1, sin_crank, pin_2);
+    let pin_1 = 0.35 * mul_add(sin_crank, cos_coupler, cos_crank * sin_coupler);
+    jacobian[0] = -mul_add(0.1, sin_crank, pin_1);
+    jacobian[1] = -pin_1;
     let (sin_rocker, cos_rocker) = sin_cos(q_rocker);
     jacobian[2] = 0.3 * sin_rocker;
-    jacobian[1] = -pin_2;
-    jacobian[0] = -pin_3;
+    let pin_2 = 0.35 * mul_sub(cos_crank, cos_coupler, sin_crank * sin_coupler);
+    jacobian[3] = mul_add(0.1, cos_crank, pin_2);
+    jacobian[4] = pin_2;
     jacobian[5] = -0.3 * cos_rocker;
 }

@@ -7,11 +7,11 @@ use crate::layout::{COORDINATES, coordinate};
 /// Coordinates and rates at the start.
 ///
 /// 0 operations.
-pub fn start(v: &mut [f64; COORDINATES], q: &mut [f64; COORDINATES]) {
-    v[coordinate::CRANK] = 0.0;
-    v[coordinate::COUPLER] = 0.0;
-    v[coordinate::ROCKER] = 0.0;
+pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
     q[coordinate::CRANK] = 1.0;
     q[coordinate::COUPLER] = -0.36105209221293266;
     q[coordinate::ROCKER] = 1.7892514033875246;
+    v[coordinate::CRANK] = 0.0;
+    v[coordinate::COUPLER] = 0.0;
+    v[coordinate::ROCKER] = 0.0;
 }

@@ -37,124 +37,356 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
     let q_ball_rx = q[coordinate::BALL_RX];
     let q_ball_ry = q[coordinate::BALL_RY];
     let q_ball_rz = q[coordinate::BALL_RZ];
-    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_pin_1 = mul_add(
-        sin_index_mcp,
-        cos_index_pip,
-        cos_index_mcp * sin_index_pip,
-    );
-    let index_pin_2 = mul_add(0.039799999999999995, sin_index_mcp, 0.0224 * index_pin_1);
-    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let middle_pin_1 = mul_add(
-        sin_middle_mcp,
-        cos_middle_pip,
-        cos_middle_mcp * sin_middle_pip,
-    );
-    let middle_pin_2 = mul_add(0.0446, sin_middle_mcp, 0.0263 * middle_pin_1);
-    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_pin_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
-    let ring_pin_2 = mul_add(0.0414, sin_ring_mcp, 0.0257 * ring_pin_1);
-    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_pin_1 = mul_add(
-        sin_little_mcp,
-        cos_little_pip,
-        cos_little_mcp * sin_little_pip,
-    );
-    let little_pin_2 = mul_add(0.0327, sin_little_mcp, 0.0181 * little_pin_1);
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
-    let index_pin_3 = mul_sub(
+    let index_pin_1 = mul_sub(
         0.9982005399352042,
         cos_index_ab,
         0.059964006479444595 * sin_index_ab,
     );
-    let index_pin_4 = cos_index_mcp * index_pin_3;
-    let index_pin_5 = mul_add(0.039799999999999995, index_pin_4, 0.08794146756829149);
-    let index_pin_6 = mul_add(
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let index_pin_2 = sin_index_mcp * index_pin_1;
+    let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
+    let index_pin_3 = cos_index_mcp * index_pin_1;
+    let index_pin_4 = mul_sub(cos_index_pip, index_pin_3, sin_index_pip * index_pin_2);
+    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
+    let index_pin_5 = mul_add(cos_index_pip, index_pin_2, sin_index_pip * index_pin_3);
+    let index_pin_6 = mul_sub(
+        0.00948,
+        mul_sub(cos_index_dip, index_pin_4, sin_index_dip * index_pin_5),
+        0.006 * mul_add(cos_index_dip, index_pin_5, sin_index_dip * index_pin_4),
+    );
+    let index_pin_7 = mul_add(
+        0.0224,
+        index_pin_4,
+        mul_add(0.039799999999999995, index_pin_3, 0.08794146756829149),
+    ) + index_pin_6;
+    let (sin_ball_rz, cos_ball_rz) = sin_cos(q_ball_rz);
+    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
+    let index_pin_8 = cos_ball_ry * sin_ball_rz;
+    let index_pin_9 = cos_ball_ry * cos_ball_rz;
+    let index_pin_10 = neg_mul_add(
+        0.007530578378999999,
+        sin_ball_ry,
+        mul_sub(0.016514845643, index_pin_9, 0.029925745816 * index_pin_8),
+    );
+    let index_pin_11 = 0.0596 + q_ball_tx;
+    rows[row::INDEX_PIN_X] = index_pin_7 - (index_pin_11 + index_pin_10);
+    let index_pin_12 = mul_add(
         0.9982005399352042,
         sin_index_ab,
         0.059964006479444595 * cos_index_ab,
     );
-    let index_pin_7 = cos_index_mcp * index_pin_6;
-    let index_pin_8 = mul_add(0.039799999999999995, index_pin_7, 0.027282828970839067);
-    let index_pin_9 = sin_index_mcp * index_pin_3;
-    let index_pin_10 = mul_sub(cos_index_pip, index_pin_4, sin_index_pip * index_pin_9);
-    let index_pin_11 = mul_add(0.0224, index_pin_10, index_pin_5);
-    let index_pin_12 = sin_index_mcp * index_pin_6;
-    let index_pin_13 = mul_sub(cos_index_pip, index_pin_7, sin_index_pip * index_pin_12);
-    let index_pin_14 = mul_add(0.0224, index_pin_13, index_pin_8);
+    let index_pin_13 = sin_index_mcp * index_pin_12;
+    let index_pin_14 = cos_index_mcp * index_pin_12;
+    let index_pin_15 = mul_sub(
+        cos_index_pip,
+        index_pin_14,
+        sin_index_pip * index_pin_13,
+    );
+    let index_pin_16 = mul_add(
+        cos_index_pip,
+        index_pin_13,
+        sin_index_pip * index_pin_14,
+    );
+    let index_pin_17 = mul_sub(
+        0.00948,
+        mul_sub(cos_index_dip, index_pin_15, sin_index_dip * index_pin_16),
+        0.006 * mul_add(cos_index_dip, index_pin_16, sin_index_dip * index_pin_15),
+    );
+    let index_pin_18 = mul_add(
+        0.0224,
+        index_pin_15,
+        mul_add(0.039799999999999995, index_pin_14, 0.027282828970839067),
+    ) + index_pin_17;
+    let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
+    let index_pin_19 = sin_ball_rx * sin_ball_ry;
+    let index_pin_20 = mul_sub(cos_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_19);
+    let index_pin_21 = mul_add(cos_ball_rz, index_pin_19, cos_ball_rx * sin_ball_rz);
+    let index_pin_22 = sin_ball_rx * cos_ball_ry;
+    let index_pin_23 = mul_add(
+        0.007530578378999999,
+        index_pin_22,
+        mul_add(0.016514845643, index_pin_21, 0.029925745816 * index_pin_20),
+    );
+    let index_pin_24 = -0.0053 + q_ball_ty;
+    rows[row::INDEX_PIN_Y] = index_pin_18 - (index_pin_24 + index_pin_23);
+    let index_pin_25 = mul_add(
+        sin_index_mcp,
+        cos_index_pip,
+        cos_index_mcp * sin_index_pip,
+    );
+    let index_pin_26 = mul_sub(
+        cos_index_mcp,
+        cos_index_pip,
+        sin_index_mcp * sin_index_pip,
+    );
+    let index_pin_27 = mul_add(
+        0.00948,
+        mul_add(cos_index_dip, index_pin_25, sin_index_dip * index_pin_26),
+        0.006 * mul_sub(cos_index_dip, index_pin_26, sin_index_dip * index_pin_25),
+    );
+    let index_pin_28 = cos_ball_rx * sin_ball_ry;
+    let index_pin_29 = mul_add(sin_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_28);
+    let index_pin_30 = neg_mul_add(cos_ball_rz, index_pin_28, sin_ball_rx * sin_ball_rz);
+    let index_pin_31 = cos_ball_rx * cos_ball_ry;
+    let index_pin_32 = neg_mul_add(
+        0.007530578378999999,
+        index_pin_31,
+        mul_add(0.016514845643, index_pin_30, 0.029925745816 * index_pin_29),
+    );
+    let index_pin_33 = -0.0509 + q_ball_tz;
+    let index_pin_34 = mul_add(
+        0.039799999999999995,
+        sin_index_mcp,
+        0.0224 * index_pin_25,
+    ) + index_pin_27 + (index_pin_33 + index_pin_32);
+    rows[row::INDEX_PIN_Z] = -index_pin_34;
+    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
     let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
-    let middle_pin_3 = cos_middle_ab * cos_middle_mcp;
-    let middle_pin_4 = mul_add(0.0446, middle_pin_3, 0.0846);
-    let middle_pin_5 = sin_middle_ab * cos_middle_mcp;
-    let middle_pin_6 = mul_add(0.0446, middle_pin_5, 0.002);
-    let middle_pin_7 = cos_middle_ab * sin_middle_mcp;
-    let middle_pin_8 = mul_sub(
+    let middle_pin_1 = cos_middle_ab * sin_middle_mcp;
+    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
+    let middle_pin_2 = cos_middle_ab * cos_middle_mcp;
+    let middle_pin_3 = mul_sub(
         cos_middle_pip,
+        middle_pin_2,
+        sin_middle_pip * middle_pin_1,
+    );
+    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
+    let middle_pin_4 = mul_add(
+        cos_middle_pip,
+        middle_pin_1,
+        sin_middle_pip * middle_pin_2,
+    );
+    let middle_pin_5 = mul_sub(
+        0.01044,
+        mul_sub(cos_middle_dip, middle_pin_3, sin_middle_dip * middle_pin_4),
+        0.006 * mul_add(cos_middle_dip, middle_pin_4, sin_middle_dip * middle_pin_3),
+    );
+    let middle_pin_6 = mul_add(
+        0.0263,
         middle_pin_3,
-        sin_middle_pip * middle_pin_7,
+        mul_add(0.0446, middle_pin_2, 0.0846),
+    ) + middle_pin_5;
+    let middle_pin_7 = neg_mul_add(
+        0.012363552862,
+        sin_ball_ry,
+        mul_sub(0.031771823144999996, index_pin_9, 0.007917942576 * index_pin_8),
     );
-    let middle_pin_9 = mul_add(0.0263, middle_pin_8, middle_pin_4);
-    let middle_pin_10 = sin_middle_ab * sin_middle_mcp;
-    let middle_pin_11 = mul_sub(
+    rows[row::MIDDLE_PIN_X] = middle_pin_6 - (index_pin_11 + middle_pin_7);
+    let middle_pin_8 = sin_middle_ab * sin_middle_mcp;
+    let middle_pin_9 = sin_middle_ab * cos_middle_mcp;
+    let middle_pin_10 = mul_sub(
         cos_middle_pip,
-        middle_pin_5,
-        sin_middle_pip * middle_pin_10,
+        middle_pin_9,
+        sin_middle_pip * middle_pin_8,
     );
-    let middle_pin_12 = mul_add(0.0263, middle_pin_11, middle_pin_6);
+    let middle_pin_11 = mul_add(
+        cos_middle_pip,
+        middle_pin_8,
+        sin_middle_pip * middle_pin_9,
+    );
+    let middle_pin_12 = mul_sub(
+        0.01044,
+        mul_sub(cos_middle_dip, middle_pin_10, sin_middle_dip * middle_pin_11),
+        0.006 * mul_add(cos_middle_dip, middle_pin_11, sin_middle_dip * middle_pin_10),
+    );
+    let middle_pin_13 = mul_add(
+        0.0263,
+        middle_pin_10,
+        mul_add(0.0446, middle_pin_9, 0.002),
+    ) + middle_pin_12;
+    let middle_pin_14 = mul_add(
+        0.012363552862,
+        index_pin_22,
+        mul_add(0.031771823144999996, index_pin_21, 0.007917942576 * index_pin_20),
+    );
+    rows[row::MIDDLE_PIN_Y] = middle_pin_13 - (index_pin_24 + middle_pin_14);
+    let middle_pin_15 = mul_add(
+        sin_middle_mcp,
+        cos_middle_pip,
+        cos_middle_mcp * sin_middle_pip,
+    );
+    let middle_pin_16 = mul_sub(
+        cos_middle_mcp,
+        cos_middle_pip,
+        sin_middle_mcp * sin_middle_pip,
+    );
+    let middle_pin_17 = mul_add(
+        0.01044,
+        mul_add(cos_middle_dip, middle_pin_15, sin_middle_dip * middle_pin_16),
+        0.006 * mul_sub(cos_middle_dip, middle_pin_16, sin_middle_dip * middle_pin_15),
+    );
+    let middle_pin_18 = neg_mul_add(
+        0.012363552862,
+        index_pin_31,
+        mul_add(0.031771823144999996, index_pin_30, 0.007917942576 * index_pin_29),
+    );
+    let middle_pin_19 = mul_add(0.0446, sin_middle_mcp, 0.0263 * middle_pin_15)
+        + middle_pin_17 + (index_pin_33 + middle_pin_18);
+    rows[row::MIDDLE_PIN_Z] = -middle_pin_19;
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
-    let ring_pin_3 = mul_add(
+    let ring_pin_1 = mul_add(
         0.9987502603949663,
         cos_ring_ab,
         0.04997916927067833 * sin_ring_ab,
     );
-    let ring_pin_4 = cos_ring_mcp * ring_pin_3;
-    let ring_pin_5 = mul_add(0.0414, ring_pin_4, 0.07790252031080737);
-    let ring_pin_6 = neg_mul_add(
+    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
+    let ring_pin_2 = sin_ring_mcp * ring_pin_1;
+    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
+    let ring_pin_3 = cos_ring_mcp * ring_pin_1;
+    let ring_pin_4 = mul_sub(cos_ring_pip, ring_pin_3, sin_ring_pip * ring_pin_2);
+    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
+    let ring_pin_5 = mul_add(cos_ring_pip, ring_pin_2, sin_ring_pip * ring_pin_3);
+    let ring_pin_6 = mul_sub(
+        0.010379999999999999,
+        mul_sub(cos_ring_dip, ring_pin_4, sin_ring_dip * ring_pin_5),
+        0.006 * mul_add(cos_ring_dip, ring_pin_5, sin_ring_dip * ring_pin_4),
+    );
+    let ring_pin_7 = mul_add(
+        0.0257,
+        ring_pin_4,
+        mul_add(0.0414, ring_pin_3, 0.07790252031080737),
+    ) + ring_pin_6;
+    let ring_pin_8 = neg_mul_add(
+        0.007584804875,
+        sin_ball_ry,
+        mul_add(0.029077623389, index_pin_9, 0.017943314997000002 * index_pin_8),
+    );
+    rows[row::RING_PIN_X] = ring_pin_7 - (index_pin_11 + ring_pin_8);
+    let ring_pin_9 = neg_mul_add(
         0.9987502603949663,
         sin_ring_ab,
         0.04997916927067833 * cos_ring_ab,
     );
-    let ring_pin_7 = cos_ring_mcp * ring_pin_6;
-    let ring_pin_8 = neg_mul_add(0.0414, ring_pin_7, -0.01989837520311291);
-    let ring_pin_9 = sin_ring_mcp * ring_pin_3;
-    let ring_pin_10 = mul_sub(cos_ring_pip, ring_pin_4, sin_ring_pip * ring_pin_9);
-    let ring_pin_11 = mul_add(0.0257, ring_pin_10, ring_pin_5);
-    let ring_pin_12 = sin_ring_mcp * ring_pin_6;
-    let ring_pin_13 = neg_mul_add(cos_ring_pip, ring_pin_7, sin_ring_pip * ring_pin_12);
-    let ring_pin_14 = mul_add(0.0257, ring_pin_13, ring_pin_8);
+    let ring_pin_10 = cos_ring_mcp * ring_pin_9;
+    let ring_pin_11 = sin_ring_mcp * ring_pin_9;
+    let ring_pin_12 = mul_add(cos_ring_pip, ring_pin_11, sin_ring_pip * ring_pin_10);
+    let ring_pin_13 = neg_mul_add(cos_ring_pip, ring_pin_10, sin_ring_pip * ring_pin_11);
+    let ring_pin_14 = mul_sub(
+        0.010379999999999999,
+        mul_add(cos_ring_dip, ring_pin_13, sin_ring_dip * ring_pin_12),
+        0.006 * neg_mul_add(cos_ring_dip, ring_pin_12, sin_ring_dip * ring_pin_13),
+    );
+    let ring_pin_15 = mul_add(
+        0.0257,
+        ring_pin_13,
+        neg_mul_add(0.0414, ring_pin_10, -0.01989837520311291),
+    ) + ring_pin_14;
+    let ring_pin_16 = mul_add(
+        0.007584804875,
+        index_pin_22,
+        mul_sub(0.029077623389, index_pin_21, 0.017943314997000002 * index_pin_20),
+    );
+    rows[row::RING_PIN_Y] = ring_pin_15 - (index_pin_24 + ring_pin_16);
+    let ring_pin_17 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
+    let ring_pin_18 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
+    let ring_pin_19 = mul_add(
+        0.010379999999999999,
+        mul_add(cos_ring_dip, ring_pin_17, sin_ring_dip * ring_pin_18),
+        0.006 * mul_sub(cos_ring_dip, ring_pin_18, sin_ring_dip * ring_pin_17),
+    );
+    let ring_pin_20 = neg_mul_add(
+        0.007584804875,
+        index_pin_31,
+        mul_sub(0.029077623389, index_pin_30, 0.017943314997000002 * index_pin_29),
+    );
+    let ring_pin_21 = mul_add(0.0414, sin_ring_mcp, 0.0257 * ring_pin_17) + ring_pin_19
+        + (index_pin_33 + ring_pin_20);
+    rows[row::RING_PIN_Z] = -ring_pin_21;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
-    let little_pin_3 = mul_add(
+    let little_pin_1 = mul_add(
         0.9928086358538663,
         cos_little_ab,
         0.11971220728891936 * sin_little_ab,
     );
-    let little_pin_4 = cos_little_mcp * little_pin_3;
-    let little_pin_5 = mul_add(0.0327, little_pin_4, 0.07316999646242994);
-    let little_pin_6 = neg_mul_add(
+    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
+    let little_pin_2 = sin_little_mcp * little_pin_1;
+    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
+    let little_pin_3 = cos_little_mcp * little_pin_1;
+    let little_pin_4 = mul_sub(
+        cos_little_pip,
+        little_pin_3,
+        sin_little_pip * little_pin_2,
+    );
+    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
+    let little_pin_5 = mul_add(
+        cos_little_pip,
+        little_pin_2,
+        sin_little_pip * little_pin_3,
+    );
+    let little_pin_6 = mul_sub(
+        0.0096,
+        mul_sub(cos_little_dip, little_pin_4, sin_little_dip * little_pin_5),
+        0.006 * mul_add(cos_little_dip, little_pin_5, sin_little_dip * little_pin_4),
+    );
+    let little_pin_7 = mul_add(
+        0.0181,
+        little_pin_4,
+        mul_add(0.0327, little_pin_3, 0.07316999646242994),
+    ) + little_pin_6;
+    let little_pin_8 = neg_mul_add(
+        0.0009707003870000001,
+        sin_ball_ry,
+        mul_add(0.007385468301, index_pin_9, 0.034198137357999994 * index_pin_8),
+    );
+    rows[row::LITTLE_PIN_X] = little_pin_7 - (index_pin_11 + little_pin_8);
+    let little_pin_9 = neg_mul_add(
         0.9928086358538663,
         sin_little_ab,
         0.11971220728891936 * cos_little_ab,
     );
-    let little_pin_7 = cos_little_mcp * little_pin_6;
-    let little_pin_8 = neg_mul_add(0.0327, little_pin_7, -0.040822789677193355);
-    let little_pin_9 = sin_little_mcp * little_pin_3;
-    let little_pin_10 = mul_sub(
+    let little_pin_10 = cos_little_mcp * little_pin_9;
+    let little_pin_11 = sin_little_mcp * little_pin_9;
+    let little_pin_12 = mul_add(
         cos_little_pip,
-        little_pin_4,
-        sin_little_pip * little_pin_9,
+        little_pin_11,
+        sin_little_pip * little_pin_10,
     );
-    let little_pin_11 = mul_add(0.0181, little_pin_10, little_pin_5);
-    let little_pin_12 = sin_little_mcp * little_pin_6;
     let little_pin_13 = neg_mul_add(
         cos_little_pip,
-        little_pin_7,
-        sin_little_pip * little_pin_12,
+        little_pin_10,
+        sin_little_pip * little_pin_11,
     );
-    let little_pin_14 = mul_add(0.0181, little_pin_13, little_pin_8);
+    let little_pin_14 = mul_sub(
+        0.0096,
+        mul_add(cos_little_dip, little_pin_13, sin_little_dip * little_pin_12),
+        0.006
+            * neg_mul_add(cos_little_dip, little_pin_12, sin_little_dip * little_pin_13),
+    );
+    let little_pin_15 = mul_add(
+        0.0181,
+        little_pin_13,
+        neg_mul_add(0.0327, little_pin_10, -0.040822789677193355),
+    ) + little_pin_14;
+    let little_pin_16 = mul_add(
+        0.0009707003870000001,
+        index_pin_22,
+        mul_sub(0.007385468301, index_pin_21, 0.034198137357999994 * index_pin_20),
+    );
+    rows[row::LITTLE_PIN_Y] = little_pin_15 - (index_pin_24 + little_pin_16);
+    let little_pin_17 = mul_add(
+        sin_little_mcp,
+        cos_little_pip,
+        cos_little_mcp * sin_little_pip,
+    );
+    let little_pin_18 = mul_sub(
+        cos_little_mcp,
+        cos_little_pip,
+        sin_little_mcp * sin_little_pip,
+    );
+    let little_pin_19 = mul_add(
+        0.0096,
+        mul_add(cos_little_dip, little_pin_17, sin_little_dip * little_pin_18),
+        0.006 * mul_sub(cos_little_dip, little_pin_18, sin_little_dip * little_pin_17),
+    );
+    let little_pin_20 = neg_mul_add(
+        0.0009707003870000001,
+        index_pin_31,
+        mul_sub(0.007385468301, index_pin_30, 0.034198137357999994 * index_pin_29),
+    );
+    let little_pin_21 = mul_add(0.0327, sin_little_mcp, 0.0181 * little_pin_17)
+        + little_pin_19 + (index_pin_33 + little_pin_20);
+    rows[row::LITTLE_PIN_Z] = -little_pin_21;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
     let thumb_pin_1 = mul_sub(
         0.7495962650805187,
@@ -162,320 +394,118 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
         0.4759343948752794 * sin_thumb_ab,
     );
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_pin_2 = mul_add(
-        cos_thumb_cmc,
-        thumb_pin_1,
-        0.4599911859503816 * sin_thumb_cmc,
-    );
-    let thumb_pin_3 = mul_add(0.046200000000000005, thumb_pin_2, 0.01);
-    let thumb_pin_4 = mul_add(
-        0.6313762241158432,
-        cos_thumb_ab,
-        0.30554924219653706 * sin_thumb_ab,
-    );
-    let thumb_pin_5 = mul_sub(
-        cos_thumb_cmc,
-        thumb_pin_4,
-        0.7127437998427926 * sin_thumb_cmc,
-    );
-    let thumb_pin_6 = mul_add(0.046200000000000005, thumb_pin_5, 0.024);
-    let thumb_pin_7 = mul_add(
-        0.19866933079506122,
-        cos_thumb_ab,
-        0.8246975884333746 * sin_thumb_ab,
-    );
-    let thumb_pin_8 = mul_add(
-        cos_thumb_cmc,
-        thumb_pin_7,
-        0.5295322319119196 * sin_thumb_cmc,
-    );
-    let thumb_pin_9 = neg_mul_add(0.046200000000000005, thumb_pin_8, -0.006);
-    let thumb_pin_10 = neg_mul_add(
+    let thumb_pin_2 = neg_mul_add(
         0.4599911859503816,
         cos_thumb_cmc,
         sin_thumb_cmc * thumb_pin_1,
     );
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_pin_11 = mul_sub(cos_thumb_mcp, thumb_pin_2, sin_thumb_mcp * thumb_pin_10);
-    let thumb_pin_12 = mul_add(0.0316, thumb_pin_11, thumb_pin_3);
-    let thumb_pin_13 = mul_add(
+    let thumb_pin_3 = mul_add(
+        cos_thumb_cmc,
+        thumb_pin_1,
+        0.4599911859503816 * sin_thumb_cmc,
+    );
+    let thumb_pin_4 = mul_sub(cos_thumb_mcp, thumb_pin_3, sin_thumb_mcp * thumb_pin_2);
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_pin_5 = mul_add(cos_thumb_mcp, thumb_pin_2, sin_thumb_mcp * thumb_pin_3);
+    let thumb_pin_6 = mul_sub(
+        0.01302,
+        mul_sub(cos_thumb_ip, thumb_pin_4, sin_thumb_ip * thumb_pin_5),
+        0.008 * mul_add(cos_thumb_ip, thumb_pin_5, sin_thumb_ip * thumb_pin_4),
+    );
+    let thumb_pin_7 = mul_add(
+        0.0316,
+        thumb_pin_4,
+        mul_add(0.046200000000000005, thumb_pin_3, 0.01),
+    ) + thumb_pin_6;
+    let thumb_pin_8 = mul_add(
+        0.021221496771000003,
+        sin_ball_ry,
+        mul_add(0.0027067456129999997, index_pin_9, 0.027700570445 * index_pin_8),
+    );
+    rows[row::THUMB_PIN_X] = thumb_pin_7 - (index_pin_11 - thumb_pin_8);
+    let thumb_pin_9 = mul_add(
+        0.6313762241158432,
+        cos_thumb_ab,
+        0.30554924219653706 * sin_thumb_ab,
+    );
+    let thumb_pin_10 = mul_add(
         0.7127437998427926,
         cos_thumb_cmc,
-        sin_thumb_cmc * thumb_pin_4,
+        sin_thumb_cmc * thumb_pin_9,
     );
-    let thumb_pin_14 = mul_sub(cos_thumb_mcp, thumb_pin_5, sin_thumb_mcp * thumb_pin_13);
-    let thumb_pin_15 = mul_add(0.0316, thumb_pin_14, thumb_pin_6);
-    let thumb_pin_16 = mul_sub(
+    let thumb_pin_11 = mul_sub(
+        cos_thumb_cmc,
+        thumb_pin_9,
+        0.7127437998427926 * sin_thumb_cmc,
+    );
+    let thumb_pin_12 = mul_sub(
+        cos_thumb_mcp,
+        thumb_pin_11,
+        sin_thumb_mcp * thumb_pin_10,
+    );
+    let thumb_pin_13 = mul_add(
+        cos_thumb_mcp,
+        thumb_pin_10,
+        sin_thumb_mcp * thumb_pin_11,
+    );
+    let thumb_pin_14 = mul_sub(
+        0.01302,
+        mul_sub(cos_thumb_ip, thumb_pin_12, sin_thumb_ip * thumb_pin_13),
+        0.008 * mul_add(cos_thumb_ip, thumb_pin_13, sin_thumb_ip * thumb_pin_12),
+    );
+    let thumb_pin_15 = mul_add(
+        0.0316,
+        thumb_pin_12,
+        mul_add(0.046200000000000005, thumb_pin_11, 0.024),
+    ) + thumb_pin_14;
+    let thumb_pin_16 = mul_add(
+        0.021221496771000003,
+        index_pin_22,
+        neg_mul_add(0.0027067456129999997, index_pin_21, 0.027700570445 * index_pin_20),
+    );
+    rows[row::THUMB_PIN_Y] = thumb_pin_15 - (index_pin_24 + thumb_pin_16);
+    let thumb_pin_17 = mul_add(
+        0.19866933079506122,
+        cos_thumb_ab,
+        0.8246975884333746 * sin_thumb_ab,
+    );
+    let thumb_pin_18 = mul_sub(
         0.5295322319119196,
         cos_thumb_cmc,
-        sin_thumb_cmc * thumb_pin_7,
+        sin_thumb_cmc * thumb_pin_17,
     );
-    let thumb_pin_17 = mul_add(cos_thumb_mcp, thumb_pin_8, sin_thumb_mcp * thumb_pin_16);
-    let thumb_pin_18 = neg_mul_add(0.0316, thumb_pin_17, thumb_pin_9);
-    let index_pin_15 = 0.0596 + q_ball_tx;
-    let index_pin_16 = -0.0053 + q_ball_ty;
-    let index_pin_17 = -0.0509 + q_ball_tz;
-    let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_pin_18 = mul_add(cos_index_pip, index_pin_9, sin_index_pip * index_pin_4);
-    let index_pin_19 = mul_sub(
-        0.00948,
-        mul_sub(cos_index_dip, index_pin_10, sin_index_dip * index_pin_18),
-        0.006 * mul_add(cos_index_dip, index_pin_18, sin_index_dip * index_pin_10),
+    let thumb_pin_19 = mul_add(
+        cos_thumb_cmc,
+        thumb_pin_17,
+        0.5295322319119196 * sin_thumb_cmc,
     );
-    let index_pin_20 = mul_add(cos_index_pip, index_pin_12, sin_index_pip * index_pin_7);
-    let index_pin_21 = mul_sub(
-        0.00948,
-        mul_sub(cos_index_dip, index_pin_13, sin_index_dip * index_pin_20),
-        0.006 * mul_add(cos_index_dip, index_pin_20, sin_index_dip * index_pin_13),
+    let thumb_pin_20 = mul_add(
+        cos_thumb_mcp,
+        thumb_pin_19,
+        sin_thumb_mcp * thumb_pin_18,
     );
-    let index_pin_22 = mul_sub(
-        cos_index_mcp,
-        cos_index_pip,
-        sin_index_mcp * sin_index_pip,
+    let thumb_pin_21 = mul_sub(
+        cos_thumb_mcp,
+        thumb_pin_18,
+        sin_thumb_mcp * thumb_pin_19,
     );
-    let index_pin_23 = mul_add(
-        0.00948,
-        mul_add(cos_index_dip, index_pin_1, sin_index_dip * index_pin_22),
-        0.006 * mul_sub(cos_index_dip, index_pin_22, sin_index_dip * index_pin_1),
-    );
-    let index_pin_24 = index_pin_11 + index_pin_19;
-    let index_pin_25 = index_pin_14 + index_pin_21;
-    let index_pin_26 = index_pin_2 + index_pin_23;
-    let (sin_ball_rz, cos_ball_rz) = sin_cos(q_ball_rz);
-    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    let index_pin_27 = cos_ball_ry * sin_ball_rz;
-    let index_pin_28 = cos_ball_ry * cos_ball_rz;
-    let index_pin_29 = neg_mul_add(
-        0.007530578378999999,
-        sin_ball_ry,
-        mul_sub(0.016514845643, index_pin_28, 0.029925745816 * index_pin_27),
-    );
-    let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
-    let index_pin_30 = sin_ball_rx * sin_ball_ry;
-    let index_pin_31 = mul_sub(cos_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_30);
-    let index_pin_32 = mul_add(cos_ball_rz, index_pin_30, cos_ball_rx * sin_ball_rz);
-    let index_pin_33 = sin_ball_rx * cos_ball_ry;
-    let index_pin_34 = mul_add(
-        0.007530578378999999,
-        index_pin_33,
-        mul_add(0.016514845643, index_pin_32, 0.029925745816 * index_pin_31),
-    );
-    let index_pin_35 = cos_ball_rx * sin_ball_ry;
-    let index_pin_36 = mul_add(sin_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_35);
-    let index_pin_37 = neg_mul_add(cos_ball_rz, index_pin_35, sin_ball_rx * sin_ball_rz);
-    let index_pin_38 = cos_ball_rx * cos_ball_ry;
-    let index_pin_39 = neg_mul_add(
-        0.007530578378999999,
-        index_pin_38,
-        mul_add(0.016514845643, index_pin_37, 0.029925745816 * index_pin_36),
-    );
-    let index_pin_40 = index_pin_15 + index_pin_29;
-    let index_pin_41 = index_pin_16 + index_pin_34;
-    let index_pin_42 = index_pin_17 + index_pin_39;
-    rows[row::INDEX_PIN_X] = index_pin_24 - index_pin_40;
-    rows[row::INDEX_PIN_Y] = index_pin_25 - index_pin_41;
-    let index_pin_43 = index_pin_26 + index_pin_42;
-    rows[row::INDEX_PIN_Z] = -index_pin_43;
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let middle_pin_13 = mul_add(
-        cos_middle_pip,
-        middle_pin_7,
-        sin_middle_pip * middle_pin_3,
-    );
-    let middle_pin_14 = mul_sub(
-        0.01044,
-        mul_sub(cos_middle_dip, middle_pin_8, sin_middle_dip * middle_pin_13),
-        0.006 * mul_add(cos_middle_dip, middle_pin_13, sin_middle_dip * middle_pin_8),
-    );
-    let middle_pin_15 = mul_add(
-        cos_middle_pip,
-        middle_pin_10,
-        sin_middle_pip * middle_pin_5,
-    );
-    let middle_pin_16 = mul_sub(
-        0.01044,
-        mul_sub(cos_middle_dip, middle_pin_11, sin_middle_dip * middle_pin_15),
-        0.006 * mul_add(cos_middle_dip, middle_pin_15, sin_middle_dip * middle_pin_11),
-    );
-    let middle_pin_17 = mul_sub(
-        cos_middle_mcp,
-        cos_middle_pip,
-        sin_middle_mcp * sin_middle_pip,
-    );
-    let middle_pin_18 = mul_add(
-        0.01044,
-        mul_add(cos_middle_dip, middle_pin_1, sin_middle_dip * middle_pin_17),
-        0.006 * mul_sub(cos_middle_dip, middle_pin_17, sin_middle_dip * middle_pin_1),
-    );
-    let middle_pin_19 = middle_pin_9 + middle_pin_14;
-    let middle_pin_20 = middle_pin_12 + middle_pin_16;
-    let middle_pin_21 = middle_pin_2 + middle_pin_18;
-    let middle_pin_22 = neg_mul_add(
-        0.012363552862,
-        sin_ball_ry,
-        mul_sub(0.031771823144999996, index_pin_28, 0.007917942576 * index_pin_27),
-    );
-    let middle_pin_23 = mul_add(
-        0.012363552862,
-        index_pin_33,
-        mul_add(0.031771823144999996, index_pin_32, 0.007917942576 * index_pin_31),
-    );
-    let middle_pin_24 = neg_mul_add(
-        0.012363552862,
-        index_pin_38,
-        mul_add(0.031771823144999996, index_pin_37, 0.007917942576 * index_pin_36),
-    );
-    let middle_pin_25 = index_pin_15 + middle_pin_22;
-    let middle_pin_26 = index_pin_16 + middle_pin_23;
-    let middle_pin_27 = index_pin_17 + middle_pin_24;
-    rows[row::MIDDLE_PIN_X] = middle_pin_19 - middle_pin_25;
-    rows[row::MIDDLE_PIN_Y] = middle_pin_20 - middle_pin_26;
-    let middle_pin_28 = middle_pin_21 + middle_pin_27;
-    rows[row::MIDDLE_PIN_Z] = -middle_pin_28;
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let ring_pin_15 = mul_add(cos_ring_pip, ring_pin_9, sin_ring_pip * ring_pin_4);
-    let ring_pin_16 = mul_sub(
-        0.010379999999999999,
-        mul_sub(cos_ring_dip, ring_pin_10, sin_ring_dip * ring_pin_15),
-        0.006 * mul_add(cos_ring_dip, ring_pin_15, sin_ring_dip * ring_pin_10),
-    );
-    let ring_pin_17 = mul_add(cos_ring_pip, ring_pin_12, sin_ring_pip * ring_pin_7);
-    let ring_pin_18 = mul_sub(
-        0.010379999999999999,
-        mul_add(cos_ring_dip, ring_pin_13, sin_ring_dip * ring_pin_17),
-        0.006 * neg_mul_add(cos_ring_dip, ring_pin_17, sin_ring_dip * ring_pin_13),
-    );
-    let ring_pin_19 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
-    let ring_pin_20 = mul_add(
-        0.010379999999999999,
-        mul_add(cos_ring_dip, ring_pin_1, sin_ring_dip * ring_pin_19),
-        0.006 * mul_sub(cos_ring_dip, ring_pin_19, sin_ring_dip * ring_pin_1),
-    );
-    let ring_pin_21 = ring_pin_11 + ring_pin_16;
-    let ring_pin_22 = ring_pin_14 + ring_pin_18;
-    let ring_pin_23 = ring_pin_2 + ring_pin_20;
-    let ring_pin_24 = neg_mul_add(
-        0.007584804875,
-        sin_ball_ry,
-        mul_add(0.029077623389, index_pin_28, 0.017943314997000002 * index_pin_27),
-    );
-    let ring_pin_25 = mul_add(
-        0.007584804875,
-        index_pin_33,
-        mul_sub(0.029077623389, index_pin_32, 0.017943314997000002 * index_pin_31),
-    );
-    let ring_pin_26 = neg_mul_add(
-        0.007584804875,
-        index_pin_38,
-        mul_sub(0.029077623389, index_pin_37, 0.017943314997000002 * index_pin_36),
-    );
-    let ring_pin_27 = index_pin_15 + ring_pin_24;
-    let ring_pin_28 = index_pin_16 + ring_pin_25;
-    let ring_pin_29 = index_pin_17 + ring_pin_26;
-    rows[row::RING_PIN_X] = ring_pin_21 - ring_pin_27;
-    rows[row::RING_PIN_Y] = ring_pin_22 - ring_pin_28;
-    let ring_pin_30 = ring_pin_23 + ring_pin_29;
-    rows[row::RING_PIN_Z] = -ring_pin_30;
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let little_pin_15 = mul_add(
-        cos_little_pip,
-        little_pin_9,
-        sin_little_pip * little_pin_4,
-    );
-    let little_pin_16 = mul_sub(
-        0.0096,
-        mul_sub(cos_little_dip, little_pin_10, sin_little_dip * little_pin_15),
-        0.006 * mul_add(cos_little_dip, little_pin_15, sin_little_dip * little_pin_10),
-    );
-    let little_pin_17 = mul_add(
-        cos_little_pip,
-        little_pin_12,
-        sin_little_pip * little_pin_7,
-    );
-    let little_pin_18 = mul_sub(
-        0.0096,
-        mul_add(cos_little_dip, little_pin_13, sin_little_dip * little_pin_17),
-        0.006
-            * neg_mul_add(cos_little_dip, little_pin_17, sin_little_dip * little_pin_13),
-    );
-    let little_pin_19 = mul_sub(
-        cos_little_mcp,
-        cos_little_pip,
-        sin_little_mcp * sin_little_pip,
-    );
-    let little_pin_20 = mul_add(
-        0.0096,
-        mul_add(cos_little_dip, little_pin_1, sin_little_dip * little_pin_19),
-        0.006 * mul_sub(cos_little_dip, little_pin_19, sin_little_dip * little_pin_1),
-    );
-    let little_pin_21 = little_pin_11 + little_pin_16;
-    let little_pin_22 = little_pin_14 + little_pin_18;
-    let little_pin_23 = little_pin_2 + little_pin_20;
-    let little_pin_24 = neg_mul_add(
-        0.0009707003870000001,
-        sin_ball_ry,
-        mul_add(0.007385468301, index_pin_28, 0.034198137357999994 * index_pin_27),
-    );
-    let little_pin_25 = mul_add(
-        0.0009707003870000001,
-        index_pin_33,
-        mul_sub(0.007385468301, index_pin_32, 0.034198137357999994 * index_pin_31),
-    );
-    let little_pin_26 = neg_mul_add(
-        0.0009707003870000001,
-        index_pin_38,
-        mul_sub(0.007385468301, index_pin_37, 0.034198137357999994 * index_pin_36),
-    );
-    let little_pin_27 = index_pin_15 + little_pin_24;
-    let little_pin_28 = index_pin_16 + little_pin_25;
-    let little_pin_29 = index_pin_17 + little_pin_26;
-    rows[row::LITTLE_PIN_X] = little_pin_21 - little_pin_27;
-    rows[row::LITTLE_PIN_Y] = little_pin_22 - little_pin_28;
-    let little_pin_30 = little_pin_23 + little_pin_29;
-    rows[row::LITTLE_PIN_Z] = -little_pin_30;
-    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_pin_19 = mul_add(cos_thumb_mcp, thumb_pin_10, sin_thumb_mcp * thumb_pin_2);
-    let thumb_pin_20 = mul_sub(
+    let thumb_pin_22 = mul_add(
         0.01302,
-        mul_sub(cos_thumb_ip, thumb_pin_11, sin_thumb_ip * thumb_pin_19),
-        0.008 * mul_add(cos_thumb_ip, thumb_pin_19, sin_thumb_ip * thumb_pin_11),
+        mul_add(cos_thumb_ip, thumb_pin_20, sin_thumb_ip * thumb_pin_21),
+        0.008 * mul_sub(cos_thumb_ip, thumb_pin_21, sin_thumb_ip * thumb_pin_20),
     );
-    let thumb_pin_21 = mul_add(cos_thumb_mcp, thumb_pin_13, sin_thumb_mcp * thumb_pin_5);
-    let thumb_pin_22 = mul_sub(
-        0.01302,
-        mul_sub(cos_thumb_ip, thumb_pin_14, sin_thumb_ip * thumb_pin_21),
-        0.008 * mul_add(cos_thumb_ip, thumb_pin_21, sin_thumb_ip * thumb_pin_14),
-    );
-    let thumb_pin_23 = mul_sub(cos_thumb_mcp, thumb_pin_16, sin_thumb_mcp * thumb_pin_8);
-    let thumb_pin_24 = mul_add(
-        0.01302,
-        mul_add(cos_thumb_ip, thumb_pin_17, sin_thumb_ip * thumb_pin_23),
-        0.008 * mul_sub(cos_thumb_ip, thumb_pin_23, sin_thumb_ip * thumb_pin_17),
-    );
-    let thumb_pin_25 = thumb_pin_12 + thumb_pin_20;
-    let thumb_pin_26 = thumb_pin_15 + thumb_pin_22;
-    let thumb_pin_27 = thumb_pin_18 - thumb_pin_24;
-    let thumb_pin_28 = mul_add(
+    let thumb_pin_23 = neg_mul_add(
+        0.0316,
+        thumb_pin_20,
+        neg_mul_add(0.046200000000000005, thumb_pin_19, -0.006),
+    ) - thumb_pin_22;
+    let thumb_pin_24 = neg_mul_add(
         0.021221496771000003,
-        sin_ball_ry,
-        mul_add(0.0027067456129999997, index_pin_28, 0.027700570445 * index_pin_27),
+        index_pin_31,
+        neg_mul_add(0.0027067456129999997, index_pin_30, 0.027700570445 * index_pin_29),
     );
-    let thumb_pin_29 = mul_add(
-        0.021221496771000003,
-        index_pin_33,
-        neg_mul_add(0.0027067456129999997, index_pin_32, 0.027700570445 * index_pin_31),
-    );
-    let thumb_pin_30 = neg_mul_add(
-        0.021221496771000003,
-        index_pin_38,
-        neg_mul_add(0.0027067456129999997, index_pin_37, 0.027700570445 * index_pin_36),
-    );
-    let thumb_pin_31 = index_pin_15 - thumb_pin_28;
-    let thumb_pin_32 = index_pin_16 + thumb_pin_29;
-    let thumb_pin_33 = index_pin_17 + thumb_pin_30;
-    rows[row::THUMB_PIN_X] = thumb_pin_25 - thumb_pin_31;
-    rows[row::THUMB_PIN_Y] = thumb_pin_26 - thumb_pin_32;
-    rows[row::THUMB_PIN_Z] = thumb_pin_27 - thumb_pin_33;
+    rows[row::THUMB_PIN_Z] = thumb_pin_23 - (index_pin_33 + thumb_pin_24);
 }
 
 /// Derivatives ∂h/∂q, packed by block; entries that are zero by structure are not written.
@@ -508,520 +538,479 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let q_ball_ry = q[coordinate::BALL_RY];
     let q_ball_rz = q[coordinate::BALL_RZ];
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
-    let index_pin_1 = mul_sub(
-        0.9982005399352042,
-        cos_index_ab,
-        0.059964006479444595 * sin_index_ab,
-    );
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    let index_pin_2 = cos_index_mcp * index_pin_1;
-    let index_pin_3 = mul_add(0.039799999999999995, index_pin_2, 0.08794146756829149);
-    let index_pin_4 = mul_add(
+    let index_pin_1 = mul_add(
         0.9982005399352042,
         sin_index_ab,
         0.059964006479444595 * cos_index_ab,
     );
-    let index_pin_5 = cos_index_mcp * index_pin_4;
-    let index_pin_6 = mul_add(0.039799999999999995, index_pin_5, 0.027282828970839067);
-    let index_pin_7 = sin_index_mcp * index_pin_1;
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let index_pin_2 = sin_index_mcp * index_pin_1;
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_pin_8 = mul_sub(cos_index_pip, index_pin_2, sin_index_pip * index_pin_7);
-    let index_pin_9 = mul_add(0.0224, index_pin_8, index_pin_3);
-    let index_pin_10 = sin_index_mcp * index_pin_4;
-    let index_pin_11 = mul_sub(cos_index_pip, index_pin_5, sin_index_pip * index_pin_10);
-    let index_pin_12 = mul_add(0.0224, index_pin_11, index_pin_6);
-    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
-    let middle_pin_1 = cos_middle_ab * cos_middle_mcp;
-    let middle_pin_2 = mul_add(0.0446, middle_pin_1, 0.0846);
-    let middle_pin_3 = sin_middle_ab * cos_middle_mcp;
-    let middle_pin_4 = mul_add(0.0446, middle_pin_3, 0.002);
-    let middle_pin_5 = cos_middle_ab * sin_middle_mcp;
-    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_pin_6 = mul_sub(
-        cos_middle_pip,
-        middle_pin_1,
-        sin_middle_pip * middle_pin_5,
-    );
-    let middle_pin_7 = mul_add(0.0263, middle_pin_6, middle_pin_2);
-    let middle_pin_8 = sin_middle_ab * sin_middle_mcp;
-    let middle_pin_9 = mul_sub(
-        cos_middle_pip,
-        middle_pin_3,
-        sin_middle_pip * middle_pin_8,
-    );
-    let middle_pin_10 = mul_add(0.0263, middle_pin_9, middle_pin_4);
-    let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
-    let ring_pin_1 = mul_add(
-        0.9987502603949663,
-        cos_ring_ab,
-        0.04997916927067833 * sin_ring_ab,
-    );
-    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    let ring_pin_2 = cos_ring_mcp * ring_pin_1;
-    let ring_pin_3 = mul_add(0.0414, ring_pin_2, 0.07790252031080737);
-    let ring_pin_4 = neg_mul_add(
-        0.9987502603949663,
-        sin_ring_ab,
-        0.04997916927067833 * cos_ring_ab,
-    );
-    let ring_pin_5 = cos_ring_mcp * ring_pin_4;
-    let ring_pin_6 = neg_mul_add(0.0414, ring_pin_5, -0.01989837520311291);
-    let ring_pin_7 = sin_ring_mcp * ring_pin_1;
-    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_pin_8 = mul_sub(cos_ring_pip, ring_pin_2, sin_ring_pip * ring_pin_7);
-    let ring_pin_9 = mul_add(0.0257, ring_pin_8, ring_pin_3);
-    let ring_pin_10 = sin_ring_mcp * ring_pin_4;
-    let ring_pin_11 = neg_mul_add(cos_ring_pip, ring_pin_5, sin_ring_pip * ring_pin_10);
-    let ring_pin_12 = mul_add(0.0257, ring_pin_11, ring_pin_6);
-    let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
-    let little_pin_1 = mul_add(
-        0.9928086358538663,
-        cos_little_ab,
-        0.11971220728891936 * sin_little_ab,
-    );
-    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    let little_pin_2 = cos_little_mcp * little_pin_1;
-    let little_pin_3 = mul_add(0.0327, little_pin_2, 0.07316999646242994);
-    let little_pin_4 = neg_mul_add(
-        0.9928086358538663,
-        sin_little_ab,
-        0.11971220728891936 * cos_little_ab,
-    );
-    let little_pin_5 = cos_little_mcp * little_pin_4;
-    let little_pin_6 = neg_mul_add(0.0327, little_pin_5, -0.040822789677193355);
-    let little_pin_7 = sin_little_mcp * little_pin_1;
-    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_pin_8 = mul_sub(
-        cos_little_pip,
-        little_pin_2,
-        sin_little_pip * little_pin_7,
-    );
-    let little_pin_9 = mul_add(0.0181, little_pin_8, little_pin_3);
-    let little_pin_10 = sin_little_mcp * little_pin_4;
-    let little_pin_11 = neg_mul_add(
-        cos_little_pip,
-        little_pin_5,
-        sin_little_pip * little_pin_10,
-    );
-    let little_pin_12 = mul_add(0.0181, little_pin_11, little_pin_6);
+    let index_pin_3 = cos_index_mcp * index_pin_1;
+    let index_pin_4 = mul_sub(cos_index_pip, index_pin_3, sin_index_pip * index_pin_2);
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_pin_13 = mul_add(cos_index_pip, index_pin_7, sin_index_pip * index_pin_2);
-    let index_pin_14 = mul_sub(
+    let index_pin_5 = mul_add(cos_index_pip, index_pin_2, sin_index_pip * index_pin_3);
+    let index_pin_6 = mul_sub(
         0.00948,
-        mul_sub(cos_index_dip, index_pin_8, sin_index_dip * index_pin_13),
-        0.006 * mul_add(cos_index_dip, index_pin_13, sin_index_dip * index_pin_8),
+        mul_sub(cos_index_dip, index_pin_4, sin_index_dip * index_pin_5),
+        0.006 * mul_add(cos_index_dip, index_pin_5, sin_index_dip * index_pin_4),
     );
-    let index_pin_15 = mul_add(cos_index_pip, index_pin_10, sin_index_pip * index_pin_5);
-    let index_pin_16 = mul_sub(
-        0.00948,
-        mul_sub(cos_index_dip, index_pin_11, sin_index_dip * index_pin_15),
-        0.006 * mul_add(cos_index_dip, index_pin_15, sin_index_dip * index_pin_11),
-    );
-    let index_pin_17 = index_pin_9 + index_pin_14;
-    let index_pin_18 = index_pin_12 + index_pin_16;
-    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
-    let index_pin_19 = sin_ball_rx * sin_ball_ry;
-    let (sin_ball_rz, cos_ball_rz) = sin_cos(q_ball_rz);
-    let index_pin_20 = mul_sub(cos_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_19);
-    let index_pin_21 = mul_add(cos_ball_rz, index_pin_19, cos_ball_rx * sin_ball_rz);
-    let index_pin_22 = sin_ball_rx * cos_ball_ry;
-    let index_pin_23 = mul_add(
-        0.007530578378999999,
-        index_pin_22,
-        mul_add(0.016514845643, index_pin_21, 0.029925745816 * index_pin_20),
-    );
-    let index_pin_24 = cos_ball_rx * sin_ball_ry;
-    let index_pin_25 = mul_add(sin_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_24);
-    let index_pin_26 = neg_mul_add(cos_ball_rz, index_pin_24, sin_ball_rx * sin_ball_rz);
-    let index_pin_27 = cos_ball_rx * cos_ball_ry;
-    let index_pin_28 = neg_mul_add(
-        0.007530578378999999,
-        index_pin_27,
-        mul_add(0.016514845643, index_pin_26, 0.029925745816 * index_pin_25),
-    );
-    jacobian[49] = index_pin_28;
-    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let middle_pin_11 = mul_add(
-        cos_middle_pip,
-        middle_pin_5,
-        sin_middle_pip * middle_pin_1,
-    );
-    let middle_pin_12 = mul_sub(
-        0.01044,
-        mul_sub(cos_middle_dip, middle_pin_6, sin_middle_dip * middle_pin_11),
-        0.006 * mul_add(cos_middle_dip, middle_pin_11, sin_middle_dip * middle_pin_6),
-    );
-    let middle_pin_13 = mul_add(
-        cos_middle_pip,
-        middle_pin_8,
-        sin_middle_pip * middle_pin_3,
-    );
-    let middle_pin_14 = mul_sub(
-        0.01044,
-        mul_sub(cos_middle_dip, middle_pin_9, sin_middle_dip * middle_pin_13),
-        0.006 * mul_add(cos_middle_dip, middle_pin_13, sin_middle_dip * middle_pin_9),
-    );
-    let middle_pin_15 = middle_pin_7 + middle_pin_12;
-    let middle_pin_16 = middle_pin_10 + middle_pin_14;
-    let middle_pin_17 = mul_add(
-        0.012363552862,
-        index_pin_22,
-        mul_add(0.031771823144999996, index_pin_21, 0.007917942576 * index_pin_20),
-    );
-    let middle_pin_18 = neg_mul_add(
-        0.012363552862,
-        index_pin_27,
-        mul_add(0.031771823144999996, index_pin_26, 0.007917942576 * index_pin_25),
-    );
-    jacobian[127] = middle_pin_18;
-    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let ring_pin_13 = mul_add(cos_ring_pip, ring_pin_7, sin_ring_pip * ring_pin_2);
-    let ring_pin_14 = mul_sub(
-        0.010379999999999999,
-        mul_sub(cos_ring_dip, ring_pin_8, sin_ring_dip * ring_pin_13),
-        0.006 * mul_add(cos_ring_dip, ring_pin_13, sin_ring_dip * ring_pin_8),
-    );
-    let ring_pin_15 = mul_add(cos_ring_pip, ring_pin_10, sin_ring_pip * ring_pin_5);
-    let ring_pin_16 = mul_sub(
-        0.010379999999999999,
-        mul_add(cos_ring_dip, ring_pin_11, sin_ring_dip * ring_pin_15),
-        0.006 * neg_mul_add(cos_ring_dip, ring_pin_15, sin_ring_dip * ring_pin_11),
-    );
-    let ring_pin_17 = ring_pin_9 + ring_pin_14;
-    let ring_pin_18 = ring_pin_12 + ring_pin_16;
-    let ring_pin_19 = mul_add(
-        0.007584804875,
-        index_pin_22,
-        mul_sub(0.029077623389, index_pin_21, 0.017943314997000002 * index_pin_20),
-    );
-    let ring_pin_20 = neg_mul_add(
-        0.007584804875,
-        index_pin_27,
-        mul_sub(0.029077623389, index_pin_26, 0.017943314997000002 * index_pin_25),
-    );
-    jacobian[205] = ring_pin_20;
-    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let little_pin_13 = mul_add(
-        cos_little_pip,
-        little_pin_7,
-        sin_little_pip * little_pin_2,
-    );
-    let little_pin_14 = mul_sub(
-        0.0096,
-        mul_sub(cos_little_dip, little_pin_8, sin_little_dip * little_pin_13),
-        0.006 * mul_add(cos_little_dip, little_pin_13, sin_little_dip * little_pin_8),
-    );
-    let little_pin_15 = mul_add(
-        cos_little_pip,
-        little_pin_10,
-        sin_little_pip * little_pin_5,
-    );
-    let little_pin_16 = mul_sub(
-        0.0096,
-        mul_add(cos_little_dip, little_pin_11, sin_little_dip * little_pin_15),
-        0.006
-            * neg_mul_add(cos_little_dip, little_pin_15, sin_little_dip * little_pin_11),
-    );
-    let little_pin_17 = little_pin_9 + little_pin_14;
-    let little_pin_18 = little_pin_12 + little_pin_16;
-    let little_pin_19 = mul_add(
-        0.0009707003870000001,
-        index_pin_22,
-        mul_sub(0.007385468301, index_pin_21, 0.034198137357999994 * index_pin_20),
-    );
-    let little_pin_20 = neg_mul_add(
-        0.0009707003870000001,
-        index_pin_27,
-        mul_sub(0.007385468301, index_pin_26, 0.034198137357999994 * index_pin_25),
-    );
-    jacobian[283] = little_pin_20;
-    let thumb_pin_1 = mul_add(
-        0.021221496771000003,
-        index_pin_22,
-        neg_mul_add(0.0027067456129999997, index_pin_21, 0.027700570445 * index_pin_20),
-    );
-    let thumb_pin_2 = neg_mul_add(
-        0.021221496771000003,
-        index_pin_27,
-        neg_mul_add(0.0027067456129999997, index_pin_26, 0.027700570445 * index_pin_25),
-    );
-    jacobian[361] = thumb_pin_2;
-    let index_pin_29 = mul_add(
+    let index_pin_7 = mul_add(0.039799999999999995, index_pin_3, 0.027282828970839067);
+    let index_pin_8 = mul_add(0.0224, index_pin_4, index_pin_7) + index_pin_6;
+    jacobian[0] = 0.027282828970839067 - index_pin_8;
+    let index_pin_9 = mul_add(
         sin_index_mcp,
         cos_index_pip,
         cos_index_mcp * sin_index_pip,
     );
-    let index_pin_30 = mul_sub(
+    let index_pin_10 = mul_sub(
         cos_index_mcp,
         cos_index_pip,
         sin_index_mcp * sin_index_pip,
     );
-    let index_pin_31 = mul_add(
+    let index_pin_11 = mul_add(
         0.00948,
-        mul_add(cos_index_dip, index_pin_29, sin_index_dip * index_pin_30),
-        0.006 * mul_sub(cos_index_dip, index_pin_30, sin_index_dip * index_pin_29),
+        mul_add(cos_index_dip, index_pin_9, sin_index_dip * index_pin_10),
+        0.006 * mul_sub(cos_index_dip, index_pin_10, sin_index_dip * index_pin_9),
     );
-    jacobian[3] = -(index_pin_1 * index_pin_31);
-    jacobian[29] = -(index_pin_4 * index_pin_31);
-    jacobian[55] = -mul_add(index_pin_4, index_pin_16, index_pin_1 * index_pin_14);
-    let index_pin_32 = 0.039799999999999995 * sin_index_mcp;
-    let index_pin_33 = mul_add(0.0224, index_pin_29, index_pin_32) + index_pin_31;
-    let index_pin_34 = index_pin_32 - index_pin_33;
-    jacobian[2] = index_pin_1 * index_pin_34;
-    jacobian[28] = index_pin_4 * index_pin_34;
-    let index_pin_35 = mul_add(
-        index_pin_4,
-        index_pin_18 - index_pin_6,
-        index_pin_1 * (index_pin_17 - index_pin_3),
+    let index_pin_12 = 0.039799999999999995 * sin_index_mcp;
+    let index_pin_13 = mul_add(0.0224, index_pin_9, index_pin_12) + index_pin_11;
+    let index_pin_14 = mul_sub(
+        0.9982005399352042,
+        cos_index_ab,
+        0.059964006479444595 * sin_index_ab,
     );
-    jacobian[54] = -index_pin_35;
-    let index_pin_36 = -0.08794146756829149 + index_pin_17;
-    jacobian[26] = index_pin_36;
-    jacobian[1] = -(index_pin_1 * index_pin_33);
-    jacobian[27] = -(index_pin_4 * index_pin_33);
-    jacobian[53] = -mul_add(
-        index_pin_4,
-        -0.027282828970839067 + index_pin_18,
-        index_pin_1 * index_pin_36,
+    jacobian[1] = -(index_pin_14 * index_pin_13);
+    let index_pin_15 = index_pin_12 - index_pin_13;
+    jacobian[2] = index_pin_14 * index_pin_15;
+    jacobian[3] = -(index_pin_14 * index_pin_11);
+    jacobian[20] = -1.0;
+    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
+    let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
+    let index_pin_16 = sin_ball_rx * sin_ball_ry;
+    let (sin_ball_rz, cos_ball_rz) = sin_cos(q_ball_rz);
+    let index_pin_17 = mul_sub(cos_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_16);
+    let index_pin_18 = mul_add(cos_ball_rz, index_pin_16, cos_ball_rx * sin_ball_rz);
+    let index_pin_19 = sin_ball_rx * cos_ball_ry;
+    let index_pin_20 = mul_add(
+        0.007530578378999999,
+        index_pin_19,
+        mul_add(0.016514845643, index_pin_18, 0.029925745816 * index_pin_17),
     );
-    jacobian[0] = 0.027282828970839067 - index_pin_18;
-    jacobian[25] = mul_add(index_pin_22, index_pin_28, index_pin_27 * index_pin_23);
-    let index_pin_37 = cos_ball_ry * sin_ball_rz;
-    let index_pin_38 = cos_ball_ry * cos_ball_rz;
-    let index_pin_39 = neg_mul_add(
+    let index_pin_21 = cos_ball_rx * sin_ball_ry;
+    let index_pin_22 = mul_add(sin_ball_rx, cos_ball_rz, sin_ball_rz * index_pin_21);
+    let index_pin_23 = neg_mul_add(cos_ball_rz, index_pin_21, sin_ball_rx * sin_ball_rz);
+    let index_pin_24 = cos_ball_rx * cos_ball_ry;
+    let index_pin_25 = neg_mul_add(
+        0.007530578378999999,
+        index_pin_24,
+        mul_add(0.016514845643, index_pin_23, 0.029925745816 * index_pin_22),
+    );
+    jacobian[24] = neg_mul_add(cos_ball_rx, index_pin_25, sin_ball_rx * index_pin_20);
+    jacobian[25] = mul_add(index_pin_19, index_pin_25, index_pin_24 * index_pin_20);
+    let index_pin_26 = sin_index_mcp * index_pin_14;
+    let index_pin_27 = cos_index_mcp * index_pin_14;
+    let index_pin_28 = mul_sub(
+        cos_index_pip,
+        index_pin_27,
+        sin_index_pip * index_pin_26,
+    );
+    let index_pin_29 = mul_add(
+        cos_index_pip,
+        index_pin_26,
+        sin_index_pip * index_pin_27,
+    );
+    let index_pin_30 = mul_sub(
+        0.00948,
+        mul_sub(cos_index_dip, index_pin_28, sin_index_dip * index_pin_29),
+        0.006 * mul_add(cos_index_dip, index_pin_29, sin_index_dip * index_pin_28),
+    );
+    let index_pin_31 = mul_add(0.039799999999999995, index_pin_27, 0.08794146756829149);
+    let index_pin_32 = mul_add(0.0224, index_pin_28, index_pin_31) + index_pin_30;
+    let index_pin_33 = -0.08794146756829149 + index_pin_32;
+    jacobian[26] = index_pin_33;
+    jacobian[27] = -(index_pin_1 * index_pin_13);
+    jacobian[28] = index_pin_1 * index_pin_15;
+    jacobian[29] = -(index_pin_1 * index_pin_11);
+    jacobian[47] = -1.0;
+    jacobian[49] = index_pin_25;
+    let index_pin_34 = cos_ball_ry * sin_ball_rz;
+    let index_pin_35 = cos_ball_ry * cos_ball_rz;
+    let index_pin_36 = neg_mul_add(
         0.007530578378999999,
         sin_ball_ry,
-        mul_sub(0.016514845643, index_pin_38, 0.029925745816 * index_pin_37),
+        mul_sub(0.016514845643, index_pin_35, 0.029925745816 * index_pin_34),
     );
-    let index_pin_40 = mul_sub(index_pin_27, index_pin_39, sin_ball_ry * index_pin_28);
-    let index_pin_41 = mul_add(sin_ball_ry, index_pin_23, index_pin_22 * index_pin_39);
-    jacobian[51] = -index_pin_40;
-    jacobian[77] = -index_pin_41;
-    let index_pin_42 = mul_sub(cos_ball_rx, index_pin_28, sin_ball_rx * index_pin_23);
-    jacobian[76] = cos_ball_rx * index_pin_39;
-    jacobian[24] = -index_pin_42;
-    jacobian[50] = -(sin_ball_rx * index_pin_39);
-    jacobian[75] = -index_pin_23;
-    jacobian[20] = -1.0;
-    jacobian[47] = -1.0;
+    jacobian[50] = -(sin_ball_rx * index_pin_36);
+    jacobian[51] = neg_mul_add(index_pin_24, index_pin_36, sin_ball_ry * index_pin_25);
+    jacobian[53] = -mul_add(
+        index_pin_1,
+        -0.027282828970839067 + index_pin_8,
+        index_pin_14 * index_pin_33,
+    );
+    let index_pin_37 = mul_add(
+        index_pin_1,
+        index_pin_8 - index_pin_7,
+        index_pin_14 * (index_pin_32 - index_pin_31),
+    );
+    jacobian[54] = -index_pin_37;
+    jacobian[55] = -mul_add(index_pin_1, index_pin_6, index_pin_14 * index_pin_30);
     jacobian[74] = -1.0;
-    jacobian[98] = -1.0;
-    jacobian[125] = -1.0;
-    jacobian[152] = -1.0;
-    jacobian[176] = -1.0;
-    jacobian[203] = -1.0;
-    jacobian[230] = -1.0;
-    jacobian[254] = -1.0;
-    jacobian[281] = -1.0;
-    jacobian[308] = -1.0;
-    jacobian[332] = -1.0;
-    jacobian[359] = -1.0;
-    jacobian[386] = -1.0;
-    let middle_pin_19 = mul_add(
+    jacobian[75] = -index_pin_20;
+    jacobian[76] = cos_ball_rx * index_pin_36;
+    jacobian[77] = -mul_add(sin_ball_ry, index_pin_20, index_pin_19 * index_pin_36);
+    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
+    let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
+    let middle_pin_1 = sin_middle_ab * sin_middle_mcp;
+    let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
+    let middle_pin_2 = sin_middle_ab * cos_middle_mcp;
+    let middle_pin_3 = mul_sub(
+        cos_middle_pip,
+        middle_pin_2,
+        sin_middle_pip * middle_pin_1,
+    );
+    let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
+    let middle_pin_4 = mul_add(
+        cos_middle_pip,
+        middle_pin_1,
+        sin_middle_pip * middle_pin_2,
+    );
+    let middle_pin_5 = mul_sub(
+        0.01044,
+        mul_sub(cos_middle_dip, middle_pin_3, sin_middle_dip * middle_pin_4),
+        0.006 * mul_add(cos_middle_dip, middle_pin_4, sin_middle_dip * middle_pin_3),
+    );
+    let middle_pin_6 = mul_add(0.0446, middle_pin_2, 0.002);
+    let middle_pin_7 = mul_add(0.0263, middle_pin_3, middle_pin_6) + middle_pin_5;
+    jacobian[82] = 0.002 - middle_pin_7;
+    let middle_pin_8 = mul_add(
         sin_middle_mcp,
         cos_middle_pip,
         cos_middle_mcp * sin_middle_pip,
     );
-    let middle_pin_20 = mul_sub(
+    let middle_pin_9 = mul_sub(
         cos_middle_mcp,
         cos_middle_pip,
         sin_middle_mcp * sin_middle_pip,
     );
-    let middle_pin_21 = mul_add(
+    let middle_pin_10 = mul_add(
         0.01044,
-        mul_add(cos_middle_dip, middle_pin_19, sin_middle_dip * middle_pin_20),
-        0.006 * mul_sub(cos_middle_dip, middle_pin_20, sin_middle_dip * middle_pin_19),
+        mul_add(cos_middle_dip, middle_pin_8, sin_middle_dip * middle_pin_9),
+        0.006 * mul_sub(cos_middle_dip, middle_pin_9, sin_middle_dip * middle_pin_8),
     );
-    jacobian[85] = -(cos_middle_ab * middle_pin_21);
-    jacobian[111] = -(sin_middle_ab * middle_pin_21);
-    jacobian[137] = -mul_add(
-        sin_middle_ab,
-        middle_pin_14,
-        cos_middle_ab * middle_pin_12,
+    let middle_pin_11 = 0.0446 * sin_middle_mcp;
+    let middle_pin_12 = mul_add(0.0263, middle_pin_8, middle_pin_11) + middle_pin_10;
+    jacobian[83] = -(cos_middle_ab * middle_pin_12);
+    let middle_pin_13 = middle_pin_11 - middle_pin_12;
+    jacobian[84] = cos_middle_ab * middle_pin_13;
+    jacobian[85] = -(cos_middle_ab * middle_pin_10);
+    jacobian[98] = -1.0;
+    let middle_pin_14 = mul_add(
+        0.012363552862,
+        index_pin_19,
+        mul_add(0.031771823144999996, index_pin_18, 0.007917942576 * index_pin_17),
     );
-    let middle_pin_22 = 0.0446 * sin_middle_mcp;
-    let middle_pin_23 = mul_add(0.0263, middle_pin_19, middle_pin_22) + middle_pin_21;
-    let middle_pin_24 = middle_pin_22 - middle_pin_23;
-    jacobian[84] = cos_middle_ab * middle_pin_24;
-    jacobian[110] = sin_middle_ab * middle_pin_24;
-    let middle_pin_25 = mul_add(
-        sin_middle_ab,
-        middle_pin_16 - middle_pin_4,
-        cos_middle_ab * (middle_pin_15 - middle_pin_2),
+    let middle_pin_15 = neg_mul_add(
+        0.012363552862,
+        index_pin_24,
+        mul_add(0.031771823144999996, index_pin_23, 0.007917942576 * index_pin_22),
     );
-    jacobian[136] = -middle_pin_25;
-    let middle_pin_26 = -0.0846 + middle_pin_15;
-    jacobian[108] = middle_pin_26;
-    jacobian[83] = -(cos_middle_ab * middle_pin_23);
-    jacobian[109] = -(sin_middle_ab * middle_pin_23);
-    jacobian[135] = -mul_add(
-        sin_middle_ab,
-        -0.002 + middle_pin_16,
-        cos_middle_ab * middle_pin_26,
+    jacobian[102] = neg_mul_add(cos_ball_rx, middle_pin_15, sin_ball_rx * middle_pin_14);
+    jacobian[103] = mul_add(index_pin_19, middle_pin_15, index_pin_24 * middle_pin_14);
+    let middle_pin_16 = cos_middle_ab * sin_middle_mcp;
+    let middle_pin_17 = cos_middle_ab * cos_middle_mcp;
+    let middle_pin_18 = mul_sub(
+        cos_middle_pip,
+        middle_pin_17,
+        sin_middle_pip * middle_pin_16,
     );
-    jacobian[82] = 0.002 - middle_pin_16;
-    jacobian[103] = mul_add(index_pin_22, middle_pin_18, index_pin_27 * middle_pin_17);
-    let middle_pin_27 = neg_mul_add(
+    let middle_pin_19 = mul_add(
+        cos_middle_pip,
+        middle_pin_16,
+        sin_middle_pip * middle_pin_17,
+    );
+    let middle_pin_20 = mul_sub(
+        0.01044,
+        mul_sub(cos_middle_dip, middle_pin_18, sin_middle_dip * middle_pin_19),
+        0.006 * mul_add(cos_middle_dip, middle_pin_19, sin_middle_dip * middle_pin_18),
+    );
+    let middle_pin_21 = mul_add(0.0446, middle_pin_17, 0.0846);
+    let middle_pin_22 = mul_add(0.0263, middle_pin_18, middle_pin_21) + middle_pin_20;
+    let middle_pin_23 = -0.0846 + middle_pin_22;
+    jacobian[108] = middle_pin_23;
+    jacobian[109] = -(sin_middle_ab * middle_pin_12);
+    jacobian[110] = sin_middle_ab * middle_pin_13;
+    jacobian[111] = -(sin_middle_ab * middle_pin_10);
+    jacobian[125] = -1.0;
+    jacobian[127] = middle_pin_15;
+    let middle_pin_24 = neg_mul_add(
         0.012363552862,
         sin_ball_ry,
-        mul_sub(0.031771823144999996, index_pin_38, 0.007917942576 * index_pin_37),
+        mul_sub(0.031771823144999996, index_pin_35, 0.007917942576 * index_pin_34),
     );
-    let middle_pin_28 = mul_sub(
-        index_pin_27,
-        middle_pin_27,
-        sin_ball_ry * middle_pin_18,
+    jacobian[128] = -(sin_ball_rx * middle_pin_24);
+    jacobian[129] = neg_mul_add(
+        index_pin_24,
+        middle_pin_24,
+        sin_ball_ry * middle_pin_15,
     );
-    let middle_pin_29 = mul_add(
-        sin_ball_ry,
-        middle_pin_17,
-        index_pin_22 * middle_pin_27,
+    jacobian[135] = -mul_add(
+        sin_middle_ab,
+        -0.002 + middle_pin_7,
+        cos_middle_ab * middle_pin_23,
     );
-    jacobian[129] = -middle_pin_28;
-    jacobian[155] = -middle_pin_29;
-    let middle_pin_30 = mul_sub(cos_ball_rx, middle_pin_18, sin_ball_rx * middle_pin_17);
-    jacobian[154] = cos_ball_rx * middle_pin_27;
-    jacobian[102] = -middle_pin_30;
-    jacobian[128] = -(sin_ball_rx * middle_pin_27);
-    jacobian[153] = -middle_pin_17;
-    let ring_pin_21 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
-    let ring_pin_22 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
-    let ring_pin_23 = mul_add(
+    let middle_pin_25 = mul_add(
+        sin_middle_ab,
+        middle_pin_7 - middle_pin_6,
+        cos_middle_ab * (middle_pin_22 - middle_pin_21),
+    );
+    jacobian[136] = -middle_pin_25;
+    jacobian[137] = -mul_add(sin_middle_ab, middle_pin_5, cos_middle_ab * middle_pin_20);
+    jacobian[152] = -1.0;
+    jacobian[153] = -middle_pin_14;
+    jacobian[154] = cos_ball_rx * middle_pin_24;
+    jacobian[155] = -mul_add(sin_ball_ry, middle_pin_14, index_pin_19 * middle_pin_24);
+    let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
+    let ring_pin_1 = neg_mul_add(
+        0.9987502603949663,
+        sin_ring_ab,
+        0.04997916927067833 * cos_ring_ab,
+    );
+    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
+    let ring_pin_2 = cos_ring_mcp * ring_pin_1;
+    let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
+    let ring_pin_3 = sin_ring_mcp * ring_pin_1;
+    let ring_pin_4 = mul_add(cos_ring_pip, ring_pin_3, sin_ring_pip * ring_pin_2);
+    let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
+    let ring_pin_5 = neg_mul_add(cos_ring_pip, ring_pin_2, sin_ring_pip * ring_pin_3);
+    let ring_pin_6 = mul_sub(
         0.010379999999999999,
-        mul_add(cos_ring_dip, ring_pin_21, sin_ring_dip * ring_pin_22),
-        0.006 * mul_sub(cos_ring_dip, ring_pin_22, sin_ring_dip * ring_pin_21),
+        mul_add(cos_ring_dip, ring_pin_5, sin_ring_dip * ring_pin_4),
+        0.006 * neg_mul_add(cos_ring_dip, ring_pin_4, sin_ring_dip * ring_pin_5),
     );
-    jacobian[167] = -(ring_pin_1 * ring_pin_23);
-    jacobian[193] = ring_pin_4 * ring_pin_23;
-    jacobian[219] = mul_sub(ring_pin_4, ring_pin_16, ring_pin_1 * ring_pin_14);
-    let ring_pin_24 = 0.0414 * sin_ring_mcp;
-    let ring_pin_25 = mul_add(0.0257, ring_pin_21, ring_pin_24) + ring_pin_23;
-    let ring_pin_26 = ring_pin_24 - ring_pin_25;
-    jacobian[166] = ring_pin_1 * ring_pin_26;
-    jacobian[192] = -(ring_pin_4 * ring_pin_26);
-    jacobian[218] = mul_sub(
-        ring_pin_4,
-        ring_pin_18 - ring_pin_6,
-        ring_pin_1 * (ring_pin_17 - ring_pin_3),
+    let ring_pin_7 = neg_mul_add(0.0414, ring_pin_2, -0.01989837520311291);
+    let ring_pin_8 = mul_add(0.0257, ring_pin_5, ring_pin_7) + ring_pin_6;
+    jacobian[164] = -0.01989837520311291 - ring_pin_8;
+    let ring_pin_9 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
+    let ring_pin_10 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
+    let ring_pin_11 = mul_add(
+        0.010379999999999999,
+        mul_add(cos_ring_dip, ring_pin_9, sin_ring_dip * ring_pin_10),
+        0.006 * mul_sub(cos_ring_dip, ring_pin_10, sin_ring_dip * ring_pin_9),
     );
-    let ring_pin_27 = -0.07790252031080737 + ring_pin_17;
-    jacobian[190] = ring_pin_27;
-    jacobian[165] = -(ring_pin_1 * ring_pin_25);
-    jacobian[191] = ring_pin_4 * ring_pin_25;
-    jacobian[217] = mul_sub(
-        ring_pin_4,
-        0.01989837520311291 + ring_pin_18,
-        ring_pin_1 * ring_pin_27,
+    let ring_pin_12 = 0.0414 * sin_ring_mcp;
+    let ring_pin_13 = mul_add(0.0257, ring_pin_9, ring_pin_12) + ring_pin_11;
+    let ring_pin_14 = mul_add(
+        0.9987502603949663,
+        cos_ring_ab,
+        0.04997916927067833 * sin_ring_ab,
     );
-    jacobian[164] = -0.01989837520311291 - ring_pin_18;
-    jacobian[181] = mul_add(index_pin_22, ring_pin_20, index_pin_27 * ring_pin_19);
-    let ring_pin_28 = neg_mul_add(
+    jacobian[165] = -(ring_pin_14 * ring_pin_13);
+    let ring_pin_15 = ring_pin_12 - ring_pin_13;
+    jacobian[166] = ring_pin_14 * ring_pin_15;
+    jacobian[167] = -(ring_pin_14 * ring_pin_11);
+    jacobian[176] = -1.0;
+    let ring_pin_16 = mul_add(
+        0.007584804875,
+        index_pin_19,
+        mul_sub(0.029077623389, index_pin_18, 0.017943314997000002 * index_pin_17),
+    );
+    let ring_pin_17 = neg_mul_add(
+        0.007584804875,
+        index_pin_24,
+        mul_sub(0.029077623389, index_pin_23, 0.017943314997000002 * index_pin_22),
+    );
+    jacobian[180] = neg_mul_add(cos_ball_rx, ring_pin_17, sin_ball_rx * ring_pin_16);
+    jacobian[181] = mul_add(index_pin_19, ring_pin_17, index_pin_24 * ring_pin_16);
+    let ring_pin_18 = sin_ring_mcp * ring_pin_14;
+    let ring_pin_19 = cos_ring_mcp * ring_pin_14;
+    let ring_pin_20 = mul_sub(cos_ring_pip, ring_pin_19, sin_ring_pip * ring_pin_18);
+    let ring_pin_21 = mul_add(cos_ring_pip, ring_pin_18, sin_ring_pip * ring_pin_19);
+    let ring_pin_22 = mul_sub(
+        0.010379999999999999,
+        mul_sub(cos_ring_dip, ring_pin_20, sin_ring_dip * ring_pin_21),
+        0.006 * mul_add(cos_ring_dip, ring_pin_21, sin_ring_dip * ring_pin_20),
+    );
+    let ring_pin_23 = mul_add(0.0414, ring_pin_19, 0.07790252031080737);
+    let ring_pin_24 = mul_add(0.0257, ring_pin_20, ring_pin_23) + ring_pin_22;
+    let ring_pin_25 = -0.07790252031080737 + ring_pin_24;
+    jacobian[190] = ring_pin_25;
+    jacobian[191] = ring_pin_1 * ring_pin_13;
+    jacobian[192] = -(ring_pin_1 * ring_pin_15);
+    jacobian[193] = ring_pin_1 * ring_pin_11;
+    jacobian[203] = -1.0;
+    jacobian[205] = ring_pin_17;
+    let ring_pin_26 = neg_mul_add(
         0.007584804875,
         sin_ball_ry,
-        mul_add(0.029077623389, index_pin_38, 0.017943314997000002 * index_pin_37),
+        mul_add(0.029077623389, index_pin_35, 0.017943314997000002 * index_pin_34),
     );
-    let ring_pin_29 = mul_sub(index_pin_27, ring_pin_28, sin_ball_ry * ring_pin_20);
-    let ring_pin_30 = mul_add(sin_ball_ry, ring_pin_19, index_pin_22 * ring_pin_28);
-    jacobian[207] = -ring_pin_29;
-    jacobian[233] = -ring_pin_30;
-    let ring_pin_31 = mul_sub(cos_ball_rx, ring_pin_20, sin_ball_rx * ring_pin_19);
-    jacobian[232] = cos_ball_rx * ring_pin_28;
-    jacobian[180] = -ring_pin_31;
-    jacobian[206] = -(sin_ball_rx * ring_pin_28);
-    jacobian[231] = -ring_pin_19;
-    let little_pin_21 = mul_add(
+    jacobian[206] = -(sin_ball_rx * ring_pin_26);
+    jacobian[207] = neg_mul_add(index_pin_24, ring_pin_26, sin_ball_ry * ring_pin_17);
+    jacobian[217] = mul_sub(
+        ring_pin_1,
+        0.01989837520311291 + ring_pin_8,
+        ring_pin_14 * ring_pin_25,
+    );
+    jacobian[218] = mul_sub(
+        ring_pin_1,
+        ring_pin_8 - ring_pin_7,
+        ring_pin_14 * (ring_pin_24 - ring_pin_23),
+    );
+    jacobian[219] = mul_sub(ring_pin_1, ring_pin_6, ring_pin_14 * ring_pin_22);
+    jacobian[230] = -1.0;
+    jacobian[231] = -ring_pin_16;
+    jacobian[232] = cos_ball_rx * ring_pin_26;
+    jacobian[233] = -mul_add(sin_ball_ry, ring_pin_16, index_pin_19 * ring_pin_26);
+    let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
+    let little_pin_1 = neg_mul_add(
+        0.9928086358538663,
+        sin_little_ab,
+        0.11971220728891936 * cos_little_ab,
+    );
+    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
+    let little_pin_2 = cos_little_mcp * little_pin_1;
+    let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
+    let little_pin_3 = sin_little_mcp * little_pin_1;
+    let little_pin_4 = mul_add(
+        cos_little_pip,
+        little_pin_3,
+        sin_little_pip * little_pin_2,
+    );
+    let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
+    let little_pin_5 = neg_mul_add(
+        cos_little_pip,
+        little_pin_2,
+        sin_little_pip * little_pin_3,
+    );
+    let little_pin_6 = mul_sub(
+        0.0096,
+        mul_add(cos_little_dip, little_pin_5, sin_little_dip * little_pin_4),
+        0.006 * neg_mul_add(cos_little_dip, little_pin_4, sin_little_dip * little_pin_5),
+    );
+    let little_pin_7 = neg_mul_add(0.0327, little_pin_2, -0.040822789677193355);
+    let little_pin_8 = mul_add(0.0181, little_pin_5, little_pin_7) + little_pin_6;
+    jacobian[246] = -0.040822789677193355 - little_pin_8;
+    let little_pin_9 = mul_add(
         sin_little_mcp,
         cos_little_pip,
         cos_little_mcp * sin_little_pip,
     );
-    let little_pin_22 = mul_sub(
+    let little_pin_10 = mul_sub(
         cos_little_mcp,
         cos_little_pip,
         sin_little_mcp * sin_little_pip,
     );
-    let little_pin_23 = mul_add(
+    let little_pin_11 = mul_add(
         0.0096,
-        mul_add(cos_little_dip, little_pin_21, sin_little_dip * little_pin_22),
-        0.006 * mul_sub(cos_little_dip, little_pin_22, sin_little_dip * little_pin_21),
+        mul_add(cos_little_dip, little_pin_9, sin_little_dip * little_pin_10),
+        0.006 * mul_sub(cos_little_dip, little_pin_10, sin_little_dip * little_pin_9),
     );
-    jacobian[249] = -(little_pin_1 * little_pin_23);
-    jacobian[275] = little_pin_4 * little_pin_23;
-    jacobian[301] = mul_sub(little_pin_4, little_pin_16, little_pin_1 * little_pin_14);
-    let little_pin_24 = 0.0327 * sin_little_mcp;
-    let little_pin_25 = mul_add(0.0181, little_pin_21, little_pin_24) + little_pin_23;
-    let little_pin_26 = little_pin_24 - little_pin_25;
-    jacobian[248] = little_pin_1 * little_pin_26;
-    jacobian[274] = -(little_pin_4 * little_pin_26);
-    jacobian[300] = mul_sub(
-        little_pin_4,
-        little_pin_18 - little_pin_6,
-        little_pin_1 * (little_pin_17 - little_pin_3),
+    let little_pin_12 = 0.0327 * sin_little_mcp;
+    let little_pin_13 = mul_add(0.0181, little_pin_9, little_pin_12) + little_pin_11;
+    let little_pin_14 = mul_add(
+        0.9928086358538663,
+        cos_little_ab,
+        0.11971220728891936 * sin_little_ab,
     );
-    let little_pin_27 = -0.07316999646242994 + little_pin_17;
-    jacobian[272] = little_pin_27;
-    jacobian[247] = -(little_pin_1 * little_pin_25);
-    jacobian[273] = little_pin_4 * little_pin_25;
-    jacobian[299] = mul_sub(
-        little_pin_4,
-        0.040822789677193355 + little_pin_18,
-        little_pin_1 * little_pin_27,
+    jacobian[247] = -(little_pin_14 * little_pin_13);
+    let little_pin_15 = little_pin_12 - little_pin_13;
+    jacobian[248] = little_pin_14 * little_pin_15;
+    jacobian[249] = -(little_pin_14 * little_pin_11);
+    jacobian[254] = -1.0;
+    let little_pin_16 = mul_add(
+        0.0009707003870000001,
+        index_pin_19,
+        mul_sub(0.007385468301, index_pin_18, 0.034198137357999994 * index_pin_17),
     );
-    jacobian[246] = -0.040822789677193355 - little_pin_18;
-    jacobian[259] = mul_add(index_pin_22, little_pin_20, index_pin_27 * little_pin_19);
-    let little_pin_28 = neg_mul_add(
+    let little_pin_17 = neg_mul_add(
+        0.0009707003870000001,
+        index_pin_24,
+        mul_sub(0.007385468301, index_pin_23, 0.034198137357999994 * index_pin_22),
+    );
+    jacobian[258] = neg_mul_add(cos_ball_rx, little_pin_17, sin_ball_rx * little_pin_16);
+    jacobian[259] = mul_add(index_pin_19, little_pin_17, index_pin_24 * little_pin_16);
+    let little_pin_18 = sin_little_mcp * little_pin_14;
+    let little_pin_19 = cos_little_mcp * little_pin_14;
+    let little_pin_20 = mul_sub(
+        cos_little_pip,
+        little_pin_19,
+        sin_little_pip * little_pin_18,
+    );
+    let little_pin_21 = mul_add(
+        cos_little_pip,
+        little_pin_18,
+        sin_little_pip * little_pin_19,
+    );
+    let little_pin_22 = mul_sub(
+        0.0096,
+        mul_sub(cos_little_dip, little_pin_20, sin_little_dip * little_pin_21),
+        0.006 * mul_add(cos_little_dip, little_pin_21, sin_little_dip * little_pin_20),
+    );
+    let little_pin_23 = mul_add(0.0327, little_pin_19, 0.07316999646242994);
+    let little_pin_24 = mul_add(0.0181, little_pin_20, little_pin_23) + little_pin_22;
+    let little_pin_25 = -0.07316999646242994 + little_pin_24;
+    jacobian[272] = little_pin_25;
+    jacobian[273] = little_pin_1 * little_pin_13;
+    jacobian[274] = -(little_pin_1 * little_pin_15);
+    jacobian[275] = little_pin_1 * little_pin_11;
+    jacobian[281] = -1.0;
+    jacobian[283] = little_pin_17;
+    let little_pin_26 = neg_mul_add(
         0.0009707003870000001,
         sin_ball_ry,
-        mul_add(0.007385468301, index_pin_38, 0.034198137357999994 * index_pin_37),
+        mul_add(0.007385468301, index_pin_35, 0.034198137357999994 * index_pin_34),
     );
-    let little_pin_29 = mul_sub(
-        index_pin_27,
-        little_pin_28,
-        sin_ball_ry * little_pin_20,
+    jacobian[284] = -(sin_ball_rx * little_pin_26);
+    jacobian[285] = neg_mul_add(
+        index_pin_24,
+        little_pin_26,
+        sin_ball_ry * little_pin_17,
     );
-    let little_pin_30 = mul_add(
-        sin_ball_ry,
-        little_pin_19,
-        index_pin_22 * little_pin_28,
+    jacobian[299] = mul_sub(
+        little_pin_1,
+        0.040822789677193355 + little_pin_8,
+        little_pin_14 * little_pin_25,
     );
-    jacobian[285] = -little_pin_29;
-    jacobian[311] = -little_pin_30;
-    let little_pin_31 = mul_sub(cos_ball_rx, little_pin_20, sin_ball_rx * little_pin_19);
-    jacobian[310] = cos_ball_rx * little_pin_28;
-    jacobian[258] = -little_pin_31;
-    jacobian[284] = -(sin_ball_rx * little_pin_28);
-    jacobian[309] = -little_pin_19;
+    jacobian[300] = mul_sub(
+        little_pin_1,
+        little_pin_8 - little_pin_7,
+        little_pin_14 * (little_pin_24 - little_pin_23),
+    );
+    jacobian[301] = mul_sub(little_pin_1, little_pin_6, little_pin_14 * little_pin_22);
+    jacobian[308] = -1.0;
+    jacobian[309] = -little_pin_16;
+    jacobian[310] = cos_ball_rx * little_pin_26;
+    jacobian[311] = -mul_add(sin_ball_ry, little_pin_16, index_pin_19 * little_pin_26);
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
-    let thumb_pin_3 = mul_add(
+    let thumb_pin_1 = mul_add(
         0.6313762241158432,
         cos_thumb_ab,
         0.30554924219653706 * sin_thumb_ab,
     );
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_pin_4 = mul_add(
+    let thumb_pin_2 = mul_add(
         0.7127437998427926,
         cos_thumb_cmc,
-        sin_thumb_cmc * thumb_pin_3,
+        sin_thumb_cmc * thumb_pin_1,
     );
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_pin_5 = mul_sub(
+    let thumb_pin_3 = mul_sub(
         cos_thumb_cmc,
-        thumb_pin_3,
+        thumb_pin_1,
         0.7127437998427926 * sin_thumb_cmc,
     );
-    let thumb_pin_6 = mul_sub(cos_thumb_mcp, thumb_pin_5, sin_thumb_mcp * thumb_pin_4);
+    let thumb_pin_4 = mul_sub(cos_thumb_mcp, thumb_pin_3, sin_thumb_mcp * thumb_pin_2);
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_pin_7 = mul_add(cos_thumb_mcp, thumb_pin_4, sin_thumb_mcp * thumb_pin_5);
-    let thumb_pin_8 = mul_sub(
+    let thumb_pin_5 = mul_add(cos_thumb_mcp, thumb_pin_2, sin_thumb_mcp * thumb_pin_3);
+    let thumb_pin_6 = mul_sub(
         0.01302,
-        mul_sub(cos_thumb_ip, thumb_pin_6, sin_thumb_ip * thumb_pin_7),
-        0.008 * mul_add(cos_thumb_ip, thumb_pin_7, sin_thumb_ip * thumb_pin_6),
+        mul_sub(cos_thumb_ip, thumb_pin_4, sin_thumb_ip * thumb_pin_5),
+        0.008 * mul_add(cos_thumb_ip, thumb_pin_5, sin_thumb_ip * thumb_pin_4),
     );
-    let thumb_pin_9 = mul_sub(
-        0.19866933079506122,
-        sin_thumb_ab,
-        0.8246975884333746 * cos_thumb_ab,
-    );
+    let thumb_pin_7 = mul_add(0.046200000000000005, thumb_pin_3, 0.024);
+    let thumb_pin_8 = mul_add(0.0316, thumb_pin_4, thumb_pin_7) + thumb_pin_6;
+    let thumb_pin_9 = -0.024 + thumb_pin_8;
     let thumb_pin_10 = mul_add(
         0.19866933079506122,
         cos_thumb_ab,
@@ -1052,93 +1041,108 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
         mul_add(cos_thumb_ip, thumb_pin_13, sin_thumb_ip * thumb_pin_14),
         0.008 * mul_sub(cos_thumb_ip, thumb_pin_14, sin_thumb_ip * thumb_pin_13),
     );
-    let thumb_pin_16 = neg_mul_add(
+    let thumb_pin_16 = neg_mul_add(0.046200000000000005, thumb_pin_12, -0.006);
+    let thumb_pin_17 = neg_mul_add(0.0316, thumb_pin_13, thumb_pin_16) - thumb_pin_15;
+    let thumb_pin_18 = 0.006 + thumb_pin_17;
+    jacobian[328] = mul_sub(
+        0.7127437998427926,
+        thumb_pin_18,
+        0.5295322319119196 * thumb_pin_9,
+    );
+    let thumb_pin_19 = mul_sub(
+        0.19866933079506122,
+        sin_thumb_ab,
+        0.8246975884333746 * cos_thumb_ab,
+    );
+    let thumb_pin_20 = neg_mul_add(
         0.6313762241158432,
         sin_thumb_ab,
         0.30554924219653706 * cos_thumb_ab,
     );
-    jacobian[331] = -mul_add(thumb_pin_16, thumb_pin_15, thumb_pin_9 * thumb_pin_8);
-    let thumb_pin_17 = mul_add(
-        0.7495962650805187,
-        sin_thumb_ab,
-        0.4759343948752794 * cos_thumb_ab,
+    jacobian[329] = mul_sub(thumb_pin_20, thumb_pin_18, thumb_pin_19 * thumb_pin_9);
+    let thumb_pin_21 = thumb_pin_8 - thumb_pin_7;
+    let thumb_pin_22 = thumb_pin_17 - thumb_pin_16;
+    jacobian[330] = mul_sub(thumb_pin_20, thumb_pin_22, thumb_pin_19 * thumb_pin_21);
+    jacobian[331] = -mul_add(thumb_pin_20, thumb_pin_15, thumb_pin_19 * thumb_pin_6);
+    jacobian[332] = -1.0;
+    let thumb_pin_23 = mul_add(
+        0.021221496771000003,
+        index_pin_19,
+        neg_mul_add(0.0027067456129999997, index_pin_18, 0.027700570445 * index_pin_17),
     );
-    let thumb_pin_18 = mul_sub(
+    let thumb_pin_24 = neg_mul_add(
+        0.021221496771000003,
+        index_pin_24,
+        neg_mul_add(0.0027067456129999997, index_pin_23, 0.027700570445 * index_pin_22),
+    );
+    jacobian[336] = neg_mul_add(cos_ball_rx, thumb_pin_24, sin_ball_rx * thumb_pin_23);
+    jacobian[337] = mul_add(index_pin_19, thumb_pin_24, index_pin_24 * thumb_pin_23);
+    let thumb_pin_25 = mul_sub(
         0.7495962650805187,
         cos_thumb_ab,
         0.4759343948752794 * sin_thumb_ab,
     );
-    let thumb_pin_19 = neg_mul_add(
+    let thumb_pin_26 = neg_mul_add(
         0.4599911859503816,
         cos_thumb_cmc,
-        sin_thumb_cmc * thumb_pin_18,
+        sin_thumb_cmc * thumb_pin_25,
     );
-    let thumb_pin_20 = mul_add(
+    let thumb_pin_27 = mul_add(
         cos_thumb_cmc,
-        thumb_pin_18,
+        thumb_pin_25,
         0.4599911859503816 * sin_thumb_cmc,
     );
-    let thumb_pin_21 = mul_sub(
+    let thumb_pin_28 = mul_sub(
         cos_thumb_mcp,
-        thumb_pin_20,
-        sin_thumb_mcp * thumb_pin_19,
+        thumb_pin_27,
+        sin_thumb_mcp * thumb_pin_26,
     );
-    let thumb_pin_22 = mul_add(
+    let thumb_pin_29 = mul_add(
         cos_thumb_mcp,
-        thumb_pin_19,
-        sin_thumb_mcp * thumb_pin_20,
+        thumb_pin_26,
+        sin_thumb_mcp * thumb_pin_27,
     );
-    let thumb_pin_23 = mul_sub(
+    let thumb_pin_30 = mul_sub(
         0.01302,
-        mul_sub(cos_thumb_ip, thumb_pin_21, sin_thumb_ip * thumb_pin_22),
-        0.008 * mul_add(cos_thumb_ip, thumb_pin_22, sin_thumb_ip * thumb_pin_21),
+        mul_sub(cos_thumb_ip, thumb_pin_28, sin_thumb_ip * thumb_pin_29),
+        0.008 * mul_add(cos_thumb_ip, thumb_pin_29, sin_thumb_ip * thumb_pin_28),
     );
-    jacobian[357] = mul_sub(thumb_pin_9, thumb_pin_23, thumb_pin_17 * thumb_pin_15);
-    jacobian[383] = -mul_add(thumb_pin_17, thumb_pin_8, thumb_pin_16 * thumb_pin_23);
-    let thumb_pin_24 = mul_add(0.046200000000000005, thumb_pin_5, 0.024);
-    let thumb_pin_25 = mul_add(0.0316, thumb_pin_6, thumb_pin_24) + thumb_pin_8;
-    let thumb_pin_26 = thumb_pin_25 - thumb_pin_24;
-    let thumb_pin_27 = neg_mul_add(0.046200000000000005, thumb_pin_12, -0.006);
-    let thumb_pin_28 = neg_mul_add(0.0316, thumb_pin_13, thumb_pin_27) - thumb_pin_15;
-    let thumb_pin_29 = thumb_pin_28 - thumb_pin_27;
-    jacobian[330] = mul_sub(thumb_pin_16, thumb_pin_29, thumb_pin_9 * thumb_pin_26);
-    let thumb_pin_30 = mul_add(0.046200000000000005, thumb_pin_20, 0.01);
-    let thumb_pin_31 = mul_add(0.0316, thumb_pin_21, thumb_pin_30) + thumb_pin_23;
-    let thumb_pin_32 = thumb_pin_31 - thumb_pin_30;
-    jacobian[356] = mul_add(thumb_pin_9, thumb_pin_32, thumb_pin_17 * thumb_pin_29);
-    jacobian[382] = -mul_add(thumb_pin_17, thumb_pin_26, thumb_pin_16 * thumb_pin_32);
-    let thumb_pin_33 = -0.024 + thumb_pin_25;
-    let thumb_pin_34 = 0.006 + thumb_pin_28;
-    jacobian[329] = mul_sub(thumb_pin_16, thumb_pin_34, thumb_pin_9 * thumb_pin_33);
-    let thumb_pin_35 = -0.01 + thumb_pin_31;
-    jacobian[355] = mul_add(thumb_pin_9, thumb_pin_35, thumb_pin_17 * thumb_pin_34);
-    jacobian[381] = -mul_add(thumb_pin_17, thumb_pin_33, thumb_pin_16 * thumb_pin_35);
-    jacobian[328] = mul_sub(
-        0.7127437998427926,
-        thumb_pin_34,
-        0.5295322319119196 * thumb_pin_33,
-    );
+    let thumb_pin_31 = mul_add(0.046200000000000005, thumb_pin_27, 0.01);
+    let thumb_pin_32 = mul_add(0.0316, thumb_pin_28, thumb_pin_31) + thumb_pin_30;
+    let thumb_pin_33 = -0.01 + thumb_pin_32;
     jacobian[354] = mul_add(
         0.5295322319119196,
-        thumb_pin_35,
-        0.4599911859503816 * thumb_pin_34,
-    );
-    jacobian[380] = -mul_add(
-        0.4599911859503816,
         thumb_pin_33,
-        0.7127437998427926 * thumb_pin_35,
+        0.4599911859503816 * thumb_pin_18,
     );
-    jacobian[337] = mul_add(index_pin_22, thumb_pin_2, index_pin_27 * thumb_pin_1);
+    let thumb_pin_34 = mul_add(
+        0.7495962650805187,
+        sin_thumb_ab,
+        0.4759343948752794 * cos_thumb_ab,
+    );
+    jacobian[355] = mul_add(thumb_pin_19, thumb_pin_33, thumb_pin_34 * thumb_pin_18);
+    let thumb_pin_35 = thumb_pin_32 - thumb_pin_31;
+    jacobian[356] = mul_add(thumb_pin_19, thumb_pin_35, thumb_pin_34 * thumb_pin_22);
+    jacobian[357] = mul_sub(thumb_pin_19, thumb_pin_30, thumb_pin_34 * thumb_pin_15);
+    jacobian[359] = -1.0;
+    jacobian[361] = thumb_pin_24;
     let thumb_pin_36 = mul_add(
         0.021221496771000003,
         sin_ball_ry,
-        mul_add(0.0027067456129999997, index_pin_38, 0.027700570445 * index_pin_37),
+        mul_add(0.0027067456129999997, index_pin_35, 0.027700570445 * index_pin_34),
     );
-    jacobian[363] = mul_add(index_pin_27, thumb_pin_36, sin_ball_ry * thumb_pin_2);
-    jacobian[389] = neg_mul_add(sin_ball_ry, thumb_pin_1, index_pin_22 * thumb_pin_36);
-    let thumb_pin_37 = mul_sub(cos_ball_rx, thumb_pin_2, sin_ball_rx * thumb_pin_1);
     jacobian[362] = sin_ball_rx * thumb_pin_36;
+    jacobian[363] = mul_add(index_pin_24, thumb_pin_36, sin_ball_ry * thumb_pin_24);
+    jacobian[380] = -mul_add(
+        0.4599911859503816,
+        thumb_pin_9,
+        0.7127437998427926 * thumb_pin_33,
+    );
+    jacobian[381] = -mul_add(thumb_pin_34, thumb_pin_9, thumb_pin_20 * thumb_pin_33);
+    jacobian[382] = -mul_add(thumb_pin_34, thumb_pin_21, thumb_pin_20 * thumb_pin_35);
+    jacobian[383] = -mul_add(thumb_pin_34, thumb_pin_6, thumb_pin_20 * thumb_pin_30);
+    jacobian[386] = -1.0;
+    jacobian[387] = -thumb_pin_23;
     jacobian[388] = -(cos_ball_rx * thumb_pin_36);
-    jacobian[336] = -thumb_pin_37;
-    jacobian[387] = -thumb_pin_1;
+    jacobian[389] = neg_mul_add(sin_ball_ry, thumb_pin_23, index_pin_19 * thumb_pin_36);
 }

@@ -35,249 +35,42 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     let q_ball_rx = q[coordinate::BALL_RX];
     let q_ball_ry = q[coordinate::BALL_RY];
     let q_ball_rz = q[coordinate::BALL_RZ];
+    poses[0] = 1.0;
     poses[1] = 0.0;
     poses[2] = 0.0;
     poses[3] = 0.0;
+    poses[4] = 1.0;
     poses[5] = 0.0;
     poses[6] = 0.0;
     poses[7] = 0.0;
+    poses[8] = 1.0;
     poses[9] = 0.0;
     poses[10] = 0.0;
     poses[11] = 0.0;
+    poses[12] = 0.9982005399352042;
+    poses[13] = -0.059964006479444595;
     poses[14] = 0.0;
+    poses[15] = 0.059964006479444595;
+    poses[16] = 0.9982005399352042;
     poses[17] = 0.0;
     poses[18] = 0.0;
     poses[19] = 0.0;
+    poses[20] = 1.0;
     poses[21] = 0.0;
+    poses[22] = 0.022;
     poses[23] = 0.0;
+    poses[24] = 0.9982005399352042;
+    poses[25] = -0.059964006479444595;
     poses[26] = 0.0;
+    poses[27] = 0.059964006479444595;
+    poses[28] = 0.9982005399352042;
     poses[29] = 0.0;
     poses[30] = 0.0;
     poses[31] = 0.0;
-    poses[35] = 0.0;
-    poses[38] = 0.0;
-    poses[41] = 0.0;
-    poses[42] = 0.0;
-    poses[43] = 0.0;
-    poses[47] = 0.0;
-    poses[55] = 0.0;
-    poses[59] = 0.0;
-    poses[67] = 0.0;
-    poses[79] = 0.0;
-    poses[91] = 0.0;
-    poses[103] = 0.0;
-    poses[115] = 0.0;
-    poses[127] = 0.0;
-    poses[133] = 0.0;
-    poses[134] = 0.0;
-    poses[135] = 0.0;
-    poses[137] = 0.0;
-    poses[138] = 0.0;
-    poses[139] = 0.0;
-    poses[141] = 0.0;
-    poses[143] = 0.0;
-    poses[145] = 0.0;
-    poses[146] = 0.0;
-    poses[147] = 0.0;
-    poses[149] = 0.0;
-    poses[150] = 0.0;
-    poses[151] = 0.0;
-    poses[155] = 0.0;
-    poses[158] = 0.0;
-    poses[161] = 0.0;
-    poses[162] = 0.0;
-    poses[163] = 0.0;
-    poses[167] = 0.0;
-    poses[175] = 0.0;
-    poses[179] = 0.0;
-    poses[187] = 0.0;
-    poses[199] = 0.0;
-    poses[211] = 0.0;
-    poses[223] = 0.0;
-    poses[235] = 0.0;
-    poses[247] = 0.0;
-    poses[254] = 0.0;
-    poses[257] = 0.0;
-    poses[258] = 0.0;
-    poses[259] = 0.0;
-    poses[261] = 0.0;
-    poses[263] = 0.0;
-    poses[266] = 0.0;
-    poses[269] = 0.0;
-    poses[270] = 0.0;
-    poses[271] = 0.0;
-    poses[275] = 0.0;
-    poses[278] = 0.0;
-    poses[281] = 0.0;
-    poses[282] = 0.0;
-    poses[283] = 0.0;
-    poses[287] = 0.0;
-    poses[295] = 0.0;
-    poses[299] = 0.0;
-    poses[307] = 0.0;
-    poses[319] = 0.0;
-    poses[331] = 0.0;
-    poses[343] = 0.0;
-    poses[355] = 0.0;
-    poses[367] = 0.0;
-    poses[374] = 0.0;
-    poses[377] = 0.0;
-    poses[378] = 0.0;
-    poses[379] = 0.0;
-    poses[381] = 0.0;
-    poses[383] = 0.0;
-    poses[386] = 0.0;
-    poses[389] = 0.0;
-    poses[390] = 0.0;
-    poses[391] = 0.0;
-    poses[395] = 0.0;
-    poses[398] = 0.0;
-    poses[401] = 0.0;
-    poses[402] = 0.0;
-    poses[403] = 0.0;
-    poses[407] = 0.0;
-    poses[415] = 0.0;
-    poses[419] = 0.0;
-    poses[427] = 0.0;
-    poses[439] = 0.0;
-    poses[451] = 0.0;
-    poses[463] = 0.0;
-    poses[475] = 0.0;
-    poses[487] = 0.0;
-    poses[493] = 0.0;
-    poses[494] = 0.0;
-    poses[495] = 0.0;
-    poses[497] = 0.0;
-    poses[498] = 0.0;
-    poses[499] = 0.0;
-    poses[501] = 0.0;
-    poses[502] = 0.0;
-    poses[503] = 0.0;
-    poses[12] = 0.9982005399352042;
-    poses[16] = 0.9982005399352042;
-    poses[24] = 0.9982005399352042;
-    poses[28] = 0.9982005399352042;
-    poses[13] = -0.059964006479444595;
-    poses[25] = -0.059964006479444595;
-    poses[15] = 0.059964006479444595;
-    poses[27] = 0.059964006479444595;
-    poses[0] = 1.0;
-    poses[4] = 1.0;
-    poses[8] = 1.0;
-    poses[20] = 1.0;
     poses[32] = 1.0;
-    poses[44] = 1.0;
-    poses[132] = 1.0;
-    poses[136] = 1.0;
-    poses[140] = 1.0;
-    poses[144] = 1.0;
-    poses[148] = 1.0;
-    poses[152] = 1.0;
-    poses[164] = 1.0;
-    poses[260] = 1.0;
-    poses[272] = 1.0;
-    poses[284] = 1.0;
-    poses[380] = 1.0;
-    poses[392] = 1.0;
-    poses[404] = 1.0;
-    poses[492] = 1.0;
-    poses[496] = 1.0;
-    poses[500] = 1.0;
     poses[33] = 0.08794146756829149;
-    poses[45] = 0.08794146756829149;
-    poses[57] = 0.08794146756829149;
     poses[34] = 0.027282828970839067;
-    poses[46] = 0.027282828970839067;
-    poses[58] = 0.027282828970839067;
-    poses[153] = 0.0846;
-    poses[165] = 0.0846;
-    poses[177] = 0.0846;
-    poses[142] = 0.002;
-    poses[154] = 0.002;
-    poses[166] = 0.002;
-    poses[178] = 0.002;
-    poses[252] = 0.9987502603949663;
-    poses[256] = 0.9987502603949663;
-    poses[264] = 0.9987502603949663;
-    poses[268] = 0.9987502603949663;
-    poses[253] = 0.04997916927067833;
-    poses[265] = 0.04997916927067833;
-    poses[255] = -0.04997916927067833;
-    poses[267] = -0.04997916927067833;
-    poses[273] = 0.07790252031080737;
-    poses[285] = 0.07790252031080737;
-    poses[297] = 0.07790252031080737;
-    poses[274] = -0.01989837520311291;
-    poses[286] = -0.01989837520311291;
-    poses[298] = -0.01989837520311291;
-    poses[372] = 0.9928086358538663;
-    poses[376] = 0.9928086358538663;
-    poses[384] = 0.9928086358538663;
-    poses[388] = 0.9928086358538663;
-    poses[373] = 0.11971220728891936;
-    poses[385] = 0.11971220728891936;
-    poses[375] = -0.11971220728891936;
-    poses[387] = -0.11971220728891936;
-    poses[393] = 0.07316999646242994;
-    poses[405] = 0.07316999646242994;
-    poses[417] = 0.07316999646242994;
-    poses[394] = -0.040822789677193355;
-    poses[406] = -0.040822789677193355;
-    poses[418] = -0.040822789677193355;
-    poses[504] = 0.7495962650805187;
-    poses[505] = -0.4759343948752794;
-    poses[506] = -0.4599911859503816;
-    poses[518] = -0.4599911859503816;
-    poses[507] = 0.6313762241158432;
-    poses[508] = 0.30554924219653706;
-    poses[509] = 0.7127437998427926;
-    poses[521] = 0.7127437998427926;
-    poses[510] = -0.19866933079506122;
-    poses[511] = -0.8246975884333746;
-    poses[512] = 0.5295322319119196;
-    poses[524] = 0.5295322319119196;
-    poses[513] = 0.01;
-    poses[525] = 0.01;
-    poses[537] = 0.01;
-    poses[514] = 0.024;
-    poses[526] = 0.024;
-    poses[538] = 0.024;
-    poses[515] = -0.006;
-    poses[527] = -0.006;
-    poses[539] = -0.006;
-    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
-    poses[56] = cos_index_mcp;
-    poses[68] = cos_index_mcp;
-    let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
-    poses[159] = sin_middle_ab;
-    poses[156] = cos_middle_ab;
-    poses[160] = cos_middle_ab;
-    poses[172] = cos_middle_ab;
-    poses[184] = cos_middle_ab;
-    poses[196] = cos_middle_ab;
-    poses[208] = cos_middle_ab;
-    poses[220] = cos_middle_ab;
-    poses[232] = cos_middle_ab;
-    poses[244] = cos_middle_ab;
-    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
-    poses[176] = cos_middle_mcp;
-    poses[188] = cos_middle_mcp;
-    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
-    poses[296] = cos_ring_mcp;
-    poses[308] = cos_ring_mcp;
-    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
-    poses[416] = cos_little_mcp;
-    poses[428] = cos_little_mcp;
-    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
-    poses[614] = sin_ball_ry;
-    poses[157] = -sin_middle_ab;
-    poses[169] = -sin_middle_ab;
-    poses[181] = -sin_middle_ab;
-    poses[193] = -sin_middle_ab;
-    poses[205] = -sin_middle_ab;
-    poses[217] = -sin_middle_ab;
-    poses[229] = -sin_middle_ab;
-    poses[241] = -sin_middle_ab;
+    poses[35] = 0.0;
     let (sin_index_ab, cos_index_ab) = sin_cos(q_index_ab);
     let index_ab_1 = mul_sub(
         0.9982005399352042,
@@ -285,86 +78,369 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
         0.059964006479444595 * sin_index_ab,
     );
     poses[36] = index_ab_1;
-    poses[40] = index_ab_1;
-    poses[52] = index_ab_1;
-    poses[64] = index_ab_1;
-    poses[76] = index_ab_1;
-    poses[88] = index_ab_1;
-    poses[100] = index_ab_1;
-    poses[112] = index_ab_1;
-    poses[124] = index_ab_1;
     let index_ab_2 = mul_add(
         0.9982005399352042,
         sin_index_ab,
         0.059964006479444595 * cos_index_ab,
     );
-    poses[39] = index_ab_2;
     poses[37] = -index_ab_2;
+    poses[38] = 0.0;
+    poses[39] = index_ab_2;
+    poses[40] = index_ab_1;
+    poses[41] = 0.0;
+    poses[42] = 0.0;
+    poses[43] = 0.0;
+    poses[44] = 1.0;
+    poses[45] = 0.08794146756829149;
+    poses[46] = 0.027282828970839067;
+    poses[47] = 0.0;
+    let (sin_index_mcp, cos_index_mcp) = sin_cos(q_index_mcp);
+    let index_mcp_1 = cos_index_mcp * index_ab_1;
+    poses[48] = index_mcp_1;
     poses[49] = -index_ab_2;
+    let index_mcp_2 = sin_index_mcp * index_ab_1;
+    poses[50] = index_mcp_2;
+    let index_mcp_3 = cos_index_mcp * index_ab_2;
+    poses[51] = index_mcp_3;
+    poses[52] = index_ab_1;
+    let index_mcp_4 = sin_index_mcp * index_ab_2;
+    poses[53] = index_mcp_4;
+    poses[54] = -sin_index_mcp;
+    poses[55] = 0.0;
+    poses[56] = cos_index_mcp;
+    poses[57] = 0.08794146756829149;
+    poses[58] = 0.027282828970839067;
+    poses[59] = 0.0;
+    poses[60] = index_mcp_1;
     poses[61] = -index_ab_2;
-    poses[73] = -index_ab_2;
-    poses[85] = -index_ab_2;
-    poses[97] = -index_ab_2;
-    poses[109] = -index_ab_2;
-    poses[121] = -index_ab_2;
-    let index_proximal_end_1 = 0.039799999999999995 * sin_index_mcp;
-    poses[71] = -index_proximal_end_1;
-    poses[83] = -index_proximal_end_1;
+    poses[62] = index_mcp_2;
+    poses[63] = index_mcp_3;
+    poses[64] = index_ab_1;
+    poses[65] = index_mcp_4;
+    poses[66] = -sin_index_mcp;
+    poses[67] = 0.0;
+    poses[68] = cos_index_mcp;
+    let index_proximal_end_1 = mul_add(
+        0.039799999999999995,
+        index_mcp_1,
+        0.08794146756829149,
+    );
+    poses[69] = index_proximal_end_1;
+    let index_proximal_end_2 = mul_add(
+        0.039799999999999995,
+        index_mcp_3,
+        0.027282828970839067,
+    );
+    poses[70] = index_proximal_end_2;
+    let index_proximal_end_3 = 0.039799999999999995 * sin_index_mcp;
+    poses[71] = -index_proximal_end_3;
     let (sin_index_pip, cos_index_pip) = sin_cos(q_index_pip);
-    let index_pip_1 = mul_add(
+    let index_pip_1 = mul_sub(cos_index_pip, index_mcp_1, sin_index_pip * index_mcp_2);
+    poses[72] = index_pip_1;
+    poses[73] = -index_ab_2;
+    let index_pip_2 = mul_add(cos_index_pip, index_mcp_2, sin_index_pip * index_mcp_1);
+    poses[74] = index_pip_2;
+    let index_pip_3 = mul_sub(cos_index_pip, index_mcp_3, sin_index_pip * index_mcp_4);
+    poses[75] = index_pip_3;
+    poses[76] = index_ab_1;
+    let index_pip_4 = mul_add(cos_index_pip, index_mcp_4, sin_index_pip * index_mcp_3);
+    poses[77] = index_pip_4;
+    let index_pip_5 = mul_add(
         sin_index_mcp,
         cos_index_pip,
         cos_index_mcp * sin_index_pip,
     );
-    let index_pip_2 = mul_sub(
+    poses[78] = -index_pip_5;
+    poses[79] = 0.0;
+    let index_pip_6 = mul_sub(
         cos_index_mcp,
         cos_index_pip,
         sin_index_mcp * sin_index_pip,
     );
-    poses[80] = index_pip_2;
-    poses[92] = index_pip_2;
+    poses[80] = index_pip_6;
+    poses[81] = index_proximal_end_1;
+    poses[82] = index_proximal_end_2;
+    poses[83] = -index_proximal_end_3;
+    poses[84] = index_pip_1;
+    poses[85] = -index_ab_2;
+    poses[86] = index_pip_2;
+    poses[87] = index_pip_3;
+    poses[88] = index_ab_1;
+    poses[89] = index_pip_4;
+    poses[90] = -index_pip_5;
+    poses[91] = 0.0;
+    poses[92] = index_pip_6;
     let index_middle_end_1 = mul_add(0.0224, index_pip_1, index_proximal_end_1);
-    poses[95] = -index_middle_end_1;
-    poses[107] = -index_middle_end_1;
+    poses[93] = index_middle_end_1;
+    let index_middle_end_2 = mul_add(0.0224, index_pip_3, index_proximal_end_2);
+    poses[94] = index_middle_end_2;
+    let index_middle_end_3 = mul_add(0.0224, index_pip_5, index_proximal_end_3);
+    poses[95] = -index_middle_end_3;
     let (sin_index_dip, cos_index_dip) = sin_cos(q_index_dip);
-    let index_dip_1 = mul_add(cos_index_dip, index_pip_1, sin_index_dip * index_pip_2);
-    let index_dip_2 = mul_sub(cos_index_dip, index_pip_2, sin_index_dip * index_pip_1);
-    poses[104] = index_dip_2;
-    poses[116] = index_dip_2;
-    poses[128] = index_dip_2;
-    let middle_proximal_end_1 = 0.0446 * sin_middle_mcp;
-    poses[191] = -middle_proximal_end_1;
-    poses[203] = -middle_proximal_end_1;
+    let index_dip_1 = mul_sub(cos_index_dip, index_pip_1, sin_index_dip * index_pip_2);
+    poses[96] = index_dip_1;
+    poses[97] = -index_ab_2;
+    let index_dip_2 = mul_add(cos_index_dip, index_pip_2, sin_index_dip * index_pip_1);
+    poses[98] = index_dip_2;
+    let index_dip_3 = mul_sub(cos_index_dip, index_pip_3, sin_index_dip * index_pip_4);
+    poses[99] = index_dip_3;
+    poses[100] = index_ab_1;
+    let index_dip_4 = mul_add(cos_index_dip, index_pip_4, sin_index_dip * index_pip_3);
+    poses[101] = index_dip_4;
+    let index_dip_5 = mul_add(cos_index_dip, index_pip_5, sin_index_dip * index_pip_6);
+    poses[102] = -index_dip_5;
+    poses[103] = 0.0;
+    let index_dip_6 = mul_sub(cos_index_dip, index_pip_6, sin_index_dip * index_pip_5);
+    poses[104] = index_dip_6;
+    poses[105] = index_middle_end_1;
+    poses[106] = index_middle_end_2;
+    poses[107] = -index_middle_end_3;
+    poses[108] = index_dip_1;
+    poses[109] = -index_ab_2;
+    poses[110] = index_dip_2;
+    poses[111] = index_dip_3;
+    poses[112] = index_ab_1;
+    poses[113] = index_dip_4;
+    poses[114] = -index_dip_5;
+    poses[115] = 0.0;
+    poses[116] = index_dip_6;
+    poses[117] = mul_add(0.0158, index_dip_1, index_middle_end_1);
+    poses[118] = mul_add(0.0158, index_dip_3, index_middle_end_2);
+    poses[119] = -mul_add(0.0158, index_dip_5, index_middle_end_3);
+    poses[120] = index_dip_1;
+    poses[121] = -index_ab_2;
+    poses[122] = index_dip_2;
+    poses[123] = index_dip_3;
+    poses[124] = index_ab_1;
+    poses[125] = index_dip_4;
+    poses[126] = -index_dip_5;
+    poses[127] = 0.0;
+    poses[128] = index_dip_6;
+    poses[129] = index_middle_end_1 + mul_sub(0.00948, index_dip_1, 0.006 * index_dip_2);
+    poses[130] = index_middle_end_2 + mul_sub(0.00948, index_dip_3, 0.006 * index_dip_4);
+    poses[131] = -(index_middle_end_3
+        + mul_add(0.00948, index_dip_5, 0.006 * index_dip_6));
+    poses[132] = 1.0;
+    poses[133] = 0.0;
+    poses[134] = 0.0;
+    poses[135] = 0.0;
+    poses[136] = 1.0;
+    poses[137] = 0.0;
+    poses[138] = 0.0;
+    poses[139] = 0.0;
+    poses[140] = 1.0;
+    poses[141] = 0.0;
+    poses[142] = 0.002;
+    poses[143] = 0.0;
+    poses[144] = 1.0;
+    poses[145] = 0.0;
+    poses[146] = 0.0;
+    poses[147] = 0.0;
+    poses[148] = 1.0;
+    poses[149] = 0.0;
+    poses[150] = 0.0;
+    poses[151] = 0.0;
+    poses[152] = 1.0;
+    poses[153] = 0.0846;
+    poses[154] = 0.002;
+    poses[155] = 0.0;
+    let (sin_middle_ab, cos_middle_ab) = sin_cos(q_middle_ab);
+    poses[156] = cos_middle_ab;
+    poses[157] = -sin_middle_ab;
+    poses[158] = 0.0;
+    poses[159] = sin_middle_ab;
+    poses[160] = cos_middle_ab;
+    poses[161] = 0.0;
+    poses[162] = 0.0;
+    poses[163] = 0.0;
+    poses[164] = 1.0;
+    poses[165] = 0.0846;
+    poses[166] = 0.002;
+    poses[167] = 0.0;
+    let (sin_middle_mcp, cos_middle_mcp) = sin_cos(q_middle_mcp);
+    let middle_mcp_1 = cos_middle_ab * cos_middle_mcp;
+    poses[168] = middle_mcp_1;
+    poses[169] = -sin_middle_ab;
+    let middle_mcp_2 = cos_middle_ab * sin_middle_mcp;
+    poses[170] = middle_mcp_2;
+    let middle_mcp_3 = sin_middle_ab * cos_middle_mcp;
+    poses[171] = middle_mcp_3;
+    poses[172] = cos_middle_ab;
+    let middle_mcp_4 = sin_middle_ab * sin_middle_mcp;
+    poses[173] = middle_mcp_4;
+    poses[174] = -sin_middle_mcp;
+    poses[175] = 0.0;
+    poses[176] = cos_middle_mcp;
+    poses[177] = 0.0846;
+    poses[178] = 0.002;
+    poses[179] = 0.0;
+    poses[180] = middle_mcp_1;
+    poses[181] = -sin_middle_ab;
+    poses[182] = middle_mcp_2;
+    poses[183] = middle_mcp_3;
+    poses[184] = cos_middle_ab;
+    poses[185] = middle_mcp_4;
+    poses[186] = -sin_middle_mcp;
+    poses[187] = 0.0;
+    poses[188] = cos_middle_mcp;
+    let middle_proximal_end_1 = mul_add(0.0446, middle_mcp_1, 0.0846);
+    poses[189] = middle_proximal_end_1;
+    let middle_proximal_end_2 = mul_add(0.0446, middle_mcp_3, 0.002);
+    poses[190] = middle_proximal_end_2;
+    let middle_proximal_end_3 = 0.0446 * sin_middle_mcp;
+    poses[191] = -middle_proximal_end_3;
     let (sin_middle_pip, cos_middle_pip) = sin_cos(q_middle_pip);
-    let middle_pip_1 = mul_add(
+    let middle_pip_1 = mul_sub(
+        cos_middle_pip,
+        middle_mcp_1,
+        sin_middle_pip * middle_mcp_2,
+    );
+    poses[192] = middle_pip_1;
+    poses[193] = -sin_middle_ab;
+    let middle_pip_2 = mul_add(
+        cos_middle_pip,
+        middle_mcp_2,
+        sin_middle_pip * middle_mcp_1,
+    );
+    poses[194] = middle_pip_2;
+    let middle_pip_3 = mul_sub(
+        cos_middle_pip,
+        middle_mcp_3,
+        sin_middle_pip * middle_mcp_4,
+    );
+    poses[195] = middle_pip_3;
+    poses[196] = cos_middle_ab;
+    let middle_pip_4 = mul_add(
+        cos_middle_pip,
+        middle_mcp_4,
+        sin_middle_pip * middle_mcp_3,
+    );
+    poses[197] = middle_pip_4;
+    let middle_pip_5 = mul_add(
         sin_middle_mcp,
         cos_middle_pip,
         cos_middle_mcp * sin_middle_pip,
     );
-    let middle_pip_2 = mul_sub(
+    poses[198] = -middle_pip_5;
+    poses[199] = 0.0;
+    let middle_pip_6 = mul_sub(
         cos_middle_mcp,
         cos_middle_pip,
         sin_middle_mcp * sin_middle_pip,
     );
-    poses[200] = middle_pip_2;
-    poses[212] = middle_pip_2;
+    poses[200] = middle_pip_6;
+    poses[201] = middle_proximal_end_1;
+    poses[202] = middle_proximal_end_2;
+    poses[203] = -middle_proximal_end_3;
+    poses[204] = middle_pip_1;
+    poses[205] = -sin_middle_ab;
+    poses[206] = middle_pip_2;
+    poses[207] = middle_pip_3;
+    poses[208] = cos_middle_ab;
+    poses[209] = middle_pip_4;
+    poses[210] = -middle_pip_5;
+    poses[211] = 0.0;
+    poses[212] = middle_pip_6;
     let middle_middle_end_1 = mul_add(0.0263, middle_pip_1, middle_proximal_end_1);
-    poses[215] = -middle_middle_end_1;
-    poses[227] = -middle_middle_end_1;
+    poses[213] = middle_middle_end_1;
+    let middle_middle_end_2 = mul_add(0.0263, middle_pip_3, middle_proximal_end_2);
+    poses[214] = middle_middle_end_2;
+    let middle_middle_end_3 = mul_add(0.0263, middle_pip_5, middle_proximal_end_3);
+    poses[215] = -middle_middle_end_3;
     let (sin_middle_dip, cos_middle_dip) = sin_cos(q_middle_dip);
-    let middle_dip_1 = mul_add(
+    let middle_dip_1 = mul_sub(
         cos_middle_dip,
         middle_pip_1,
         sin_middle_dip * middle_pip_2,
     );
-    let middle_dip_2 = mul_sub(
+    poses[216] = middle_dip_1;
+    poses[217] = -sin_middle_ab;
+    let middle_dip_2 = mul_add(
         cos_middle_dip,
         middle_pip_2,
         sin_middle_dip * middle_pip_1,
     );
-    poses[224] = middle_dip_2;
-    poses[236] = middle_dip_2;
-    poses[248] = middle_dip_2;
+    poses[218] = middle_dip_2;
+    let middle_dip_3 = mul_sub(
+        cos_middle_dip,
+        middle_pip_3,
+        sin_middle_dip * middle_pip_4,
+    );
+    poses[219] = middle_dip_3;
+    poses[220] = cos_middle_ab;
+    let middle_dip_4 = mul_add(
+        cos_middle_dip,
+        middle_pip_4,
+        sin_middle_dip * middle_pip_3,
+    );
+    poses[221] = middle_dip_4;
+    let middle_dip_5 = mul_add(
+        cos_middle_dip,
+        middle_pip_5,
+        sin_middle_dip * middle_pip_6,
+    );
+    poses[222] = -middle_dip_5;
+    poses[223] = 0.0;
+    let middle_dip_6 = mul_sub(
+        cos_middle_dip,
+        middle_pip_6,
+        sin_middle_dip * middle_pip_5,
+    );
+    poses[224] = middle_dip_6;
+    poses[225] = middle_middle_end_1;
+    poses[226] = middle_middle_end_2;
+    poses[227] = -middle_middle_end_3;
+    poses[228] = middle_dip_1;
+    poses[229] = -sin_middle_ab;
+    poses[230] = middle_dip_2;
+    poses[231] = middle_dip_3;
+    poses[232] = cos_middle_ab;
+    poses[233] = middle_dip_4;
+    poses[234] = -middle_dip_5;
+    poses[235] = 0.0;
+    poses[236] = middle_dip_6;
+    poses[237] = mul_add(0.0174, middle_dip_1, middle_middle_end_1);
+    poses[238] = mul_add(0.0174, middle_dip_3, middle_middle_end_2);
+    poses[239] = -mul_add(0.0174, middle_dip_5, middle_middle_end_3);
+    poses[240] = middle_dip_1;
+    poses[241] = -sin_middle_ab;
+    poses[242] = middle_dip_2;
+    poses[243] = middle_dip_3;
+    poses[244] = cos_middle_ab;
+    poses[245] = middle_dip_4;
+    poses[246] = -middle_dip_5;
+    poses[247] = 0.0;
+    poses[248] = middle_dip_6;
+    poses[249] = middle_middle_end_1
+        + mul_sub(0.01044, middle_dip_1, 0.006 * middle_dip_2);
+    poses[250] = middle_middle_end_2
+        + mul_sub(0.01044, middle_dip_3, 0.006 * middle_dip_4);
+    poses[251] = -(middle_middle_end_3
+        + mul_add(0.01044, middle_dip_5, 0.006 * middle_dip_6));
+    poses[252] = 0.9987502603949663;
+    poses[253] = 0.04997916927067833;
+    poses[254] = 0.0;
+    poses[255] = -0.04997916927067833;
+    poses[256] = 0.9987502603949663;
+    poses[257] = 0.0;
+    poses[258] = 0.0;
+    poses[259] = 0.0;
+    poses[260] = 1.0;
+    poses[261] = 0.0;
+    poses[262] = -0.016;
+    poses[263] = 0.0;
+    poses[264] = 0.9987502603949663;
+    poses[265] = 0.04997916927067833;
+    poses[266] = 0.0;
+    poses[267] = -0.04997916927067833;
+    poses[268] = 0.9987502603949663;
+    poses[269] = 0.0;
+    poses[270] = 0.0;
+    poses[271] = 0.0;
+    poses[272] = 1.0;
+    poses[273] = 0.07790252031080737;
+    poses[274] = -0.01989837520311291;
+    poses[275] = 0.0;
     let (sin_ring_ab, cos_ring_ab) = sin_cos(q_ring_ab);
     let ring_ab_1 = mul_add(
         0.9987502603949663,
@@ -372,45 +448,158 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
         0.04997916927067833 * sin_ring_ab,
     );
     poses[276] = ring_ab_1;
-    poses[280] = ring_ab_1;
-    poses[292] = ring_ab_1;
-    poses[304] = ring_ab_1;
-    poses[316] = ring_ab_1;
-    poses[328] = ring_ab_1;
-    poses[340] = ring_ab_1;
-    poses[352] = ring_ab_1;
-    poses[364] = ring_ab_1;
     let ring_ab_2 = neg_mul_add(
         0.9987502603949663,
         sin_ring_ab,
         0.04997916927067833 * cos_ring_ab,
     );
     poses[277] = ring_ab_2;
-    poses[289] = ring_ab_2;
-    poses[301] = ring_ab_2;
-    poses[313] = ring_ab_2;
-    poses[325] = ring_ab_2;
-    poses[337] = ring_ab_2;
-    poses[349] = ring_ab_2;
-    poses[361] = ring_ab_2;
+    poses[278] = 0.0;
     poses[279] = -ring_ab_2;
-    let ring_proximal_end_1 = 0.0414 * sin_ring_mcp;
-    poses[311] = -ring_proximal_end_1;
-    poses[323] = -ring_proximal_end_1;
+    poses[280] = ring_ab_1;
+    poses[281] = 0.0;
+    poses[282] = 0.0;
+    poses[283] = 0.0;
+    poses[284] = 1.0;
+    poses[285] = 0.07790252031080737;
+    poses[286] = -0.01989837520311291;
+    poses[287] = 0.0;
+    let (sin_ring_mcp, cos_ring_mcp) = sin_cos(q_ring_mcp);
+    let ring_mcp_1 = cos_ring_mcp * ring_ab_1;
+    poses[288] = ring_mcp_1;
+    poses[289] = ring_ab_2;
+    let ring_mcp_2 = sin_ring_mcp * ring_ab_1;
+    poses[290] = ring_mcp_2;
+    let ring_mcp_3 = cos_ring_mcp * ring_ab_2;
+    poses[291] = -ring_mcp_3;
+    poses[292] = ring_ab_1;
+    let ring_mcp_4 = sin_ring_mcp * ring_ab_2;
+    poses[293] = -ring_mcp_4;
+    poses[294] = -sin_ring_mcp;
+    poses[295] = 0.0;
+    poses[296] = cos_ring_mcp;
+    poses[297] = 0.07790252031080737;
+    poses[298] = -0.01989837520311291;
+    poses[299] = 0.0;
+    poses[300] = ring_mcp_1;
+    poses[301] = ring_ab_2;
+    poses[302] = ring_mcp_2;
+    poses[303] = -ring_mcp_3;
+    poses[304] = ring_ab_1;
+    poses[305] = -ring_mcp_4;
+    poses[306] = -sin_ring_mcp;
+    poses[307] = 0.0;
+    poses[308] = cos_ring_mcp;
+    let ring_proximal_end_1 = mul_add(0.0414, ring_mcp_1, 0.07790252031080737);
+    poses[309] = ring_proximal_end_1;
+    let ring_proximal_end_2 = neg_mul_add(0.0414, ring_mcp_3, -0.01989837520311291);
+    poses[310] = ring_proximal_end_2;
+    let ring_proximal_end_3 = 0.0414 * sin_ring_mcp;
+    poses[311] = -ring_proximal_end_3;
     let (sin_ring_pip, cos_ring_pip) = sin_cos(q_ring_pip);
-    let ring_pip_1 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
-    let ring_pip_2 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
-    poses[320] = ring_pip_2;
-    poses[332] = ring_pip_2;
+    let ring_pip_1 = mul_sub(cos_ring_pip, ring_mcp_1, sin_ring_pip * ring_mcp_2);
+    poses[312] = ring_pip_1;
+    poses[313] = ring_ab_2;
+    let ring_pip_2 = mul_add(cos_ring_pip, ring_mcp_2, sin_ring_pip * ring_mcp_1);
+    poses[314] = ring_pip_2;
+    let ring_pip_3 = neg_mul_add(cos_ring_pip, ring_mcp_3, sin_ring_pip * ring_mcp_4);
+    poses[315] = ring_pip_3;
+    poses[316] = ring_ab_1;
+    let ring_pip_4 = mul_add(cos_ring_pip, ring_mcp_4, sin_ring_pip * ring_mcp_3);
+    poses[317] = -ring_pip_4;
+    let ring_pip_5 = mul_add(sin_ring_mcp, cos_ring_pip, cos_ring_mcp * sin_ring_pip);
+    poses[318] = -ring_pip_5;
+    poses[319] = 0.0;
+    let ring_pip_6 = mul_sub(cos_ring_mcp, cos_ring_pip, sin_ring_mcp * sin_ring_pip);
+    poses[320] = ring_pip_6;
+    poses[321] = ring_proximal_end_1;
+    poses[322] = ring_proximal_end_2;
+    poses[323] = -ring_proximal_end_3;
+    poses[324] = ring_pip_1;
+    poses[325] = ring_ab_2;
+    poses[326] = ring_pip_2;
+    poses[327] = ring_pip_3;
+    poses[328] = ring_ab_1;
+    poses[329] = -ring_pip_4;
+    poses[330] = -ring_pip_5;
+    poses[331] = 0.0;
+    poses[332] = ring_pip_6;
     let ring_middle_end_1 = mul_add(0.0257, ring_pip_1, ring_proximal_end_1);
-    poses[335] = -ring_middle_end_1;
-    poses[347] = -ring_middle_end_1;
+    poses[333] = ring_middle_end_1;
+    let ring_middle_end_2 = mul_add(0.0257, ring_pip_3, ring_proximal_end_2);
+    poses[334] = ring_middle_end_2;
+    let ring_middle_end_3 = mul_add(0.0257, ring_pip_5, ring_proximal_end_3);
+    poses[335] = -ring_middle_end_3;
     let (sin_ring_dip, cos_ring_dip) = sin_cos(q_ring_dip);
-    let ring_dip_1 = mul_add(cos_ring_dip, ring_pip_1, sin_ring_dip * ring_pip_2);
-    let ring_dip_2 = mul_sub(cos_ring_dip, ring_pip_2, sin_ring_dip * ring_pip_1);
-    poses[344] = ring_dip_2;
-    poses[356] = ring_dip_2;
-    poses[368] = ring_dip_2;
+    let ring_dip_1 = mul_sub(cos_ring_dip, ring_pip_1, sin_ring_dip * ring_pip_2);
+    poses[336] = ring_dip_1;
+    poses[337] = ring_ab_2;
+    let ring_dip_2 = mul_add(cos_ring_dip, ring_pip_2, sin_ring_dip * ring_pip_1);
+    poses[338] = ring_dip_2;
+    let ring_dip_3 = mul_add(cos_ring_dip, ring_pip_3, sin_ring_dip * ring_pip_4);
+    poses[339] = ring_dip_3;
+    poses[340] = ring_ab_1;
+    let ring_dip_4 = neg_mul_add(cos_ring_dip, ring_pip_4, sin_ring_dip * ring_pip_3);
+    poses[341] = ring_dip_4;
+    let ring_dip_5 = mul_add(cos_ring_dip, ring_pip_5, sin_ring_dip * ring_pip_6);
+    poses[342] = -ring_dip_5;
+    poses[343] = 0.0;
+    let ring_dip_6 = mul_sub(cos_ring_dip, ring_pip_6, sin_ring_dip * ring_pip_5);
+    poses[344] = ring_dip_6;
+    poses[345] = ring_middle_end_1;
+    poses[346] = ring_middle_end_2;
+    poses[347] = -ring_middle_end_3;
+    poses[348] = ring_dip_1;
+    poses[349] = ring_ab_2;
+    poses[350] = ring_dip_2;
+    poses[351] = ring_dip_3;
+    poses[352] = ring_ab_1;
+    poses[353] = ring_dip_4;
+    poses[354] = -ring_dip_5;
+    poses[355] = 0.0;
+    poses[356] = ring_dip_6;
+    poses[357] = mul_add(0.0173, ring_dip_1, ring_middle_end_1);
+    poses[358] = mul_add(0.0173, ring_dip_3, ring_middle_end_2);
+    poses[359] = -mul_add(0.0173, ring_dip_5, ring_middle_end_3);
+    poses[360] = ring_dip_1;
+    poses[361] = ring_ab_2;
+    poses[362] = ring_dip_2;
+    poses[363] = ring_dip_3;
+    poses[364] = ring_ab_1;
+    poses[365] = ring_dip_4;
+    poses[366] = -ring_dip_5;
+    poses[367] = 0.0;
+    poses[368] = ring_dip_6;
+    poses[369] = ring_middle_end_1
+        + mul_sub(0.010379999999999999, ring_dip_1, 0.006 * ring_dip_2);
+    poses[370] = ring_middle_end_2
+        + mul_sub(0.010379999999999999, ring_dip_3, 0.006 * ring_dip_4);
+    poses[371] = -(ring_middle_end_3
+        + mul_add(0.010379999999999999, ring_dip_5, 0.006 * ring_dip_6));
+    poses[372] = 0.9928086358538663;
+    poses[373] = 0.11971220728891936;
+    poses[374] = 0.0;
+    poses[375] = -0.11971220728891936;
+    poses[376] = 0.9928086358538663;
+    poses[377] = 0.0;
+    poses[378] = 0.0;
+    poses[379] = 0.0;
+    poses[380] = 1.0;
+    poses[381] = 0.0;
+    poses[382] = -0.032;
+    poses[383] = 0.0;
+    poses[384] = 0.9928086358538663;
+    poses[385] = 0.11971220728891936;
+    poses[386] = 0.0;
+    poses[387] = -0.11971220728891936;
+    poses[388] = 0.9928086358538663;
+    poses[389] = 0.0;
+    poses[390] = 0.0;
+    poses[391] = 0.0;
+    poses[392] = 1.0;
+    poses[393] = 0.07316999646242994;
+    poses[394] = -0.040822789677193355;
+    poses[395] = 0.0;
     let (sin_little_ab, cos_little_ab) = sin_cos(q_little_ab);
     let little_ab_1 = mul_add(
         0.9928086358538663,
@@ -418,61 +607,206 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
         0.11971220728891936 * sin_little_ab,
     );
     poses[396] = little_ab_1;
-    poses[400] = little_ab_1;
-    poses[412] = little_ab_1;
-    poses[424] = little_ab_1;
-    poses[436] = little_ab_1;
-    poses[448] = little_ab_1;
-    poses[460] = little_ab_1;
-    poses[472] = little_ab_1;
-    poses[484] = little_ab_1;
     let little_ab_2 = neg_mul_add(
         0.9928086358538663,
         sin_little_ab,
         0.11971220728891936 * cos_little_ab,
     );
     poses[397] = little_ab_2;
-    poses[409] = little_ab_2;
-    poses[421] = little_ab_2;
-    poses[433] = little_ab_2;
-    poses[445] = little_ab_2;
-    poses[457] = little_ab_2;
-    poses[469] = little_ab_2;
-    poses[481] = little_ab_2;
+    poses[398] = 0.0;
     poses[399] = -little_ab_2;
-    let little_proximal_end_1 = 0.0327 * sin_little_mcp;
-    poses[431] = -little_proximal_end_1;
-    poses[443] = -little_proximal_end_1;
+    poses[400] = little_ab_1;
+    poses[401] = 0.0;
+    poses[402] = 0.0;
+    poses[403] = 0.0;
+    poses[404] = 1.0;
+    poses[405] = 0.07316999646242994;
+    poses[406] = -0.040822789677193355;
+    poses[407] = 0.0;
+    let (sin_little_mcp, cos_little_mcp) = sin_cos(q_little_mcp);
+    let little_mcp_1 = cos_little_mcp * little_ab_1;
+    poses[408] = little_mcp_1;
+    poses[409] = little_ab_2;
+    let little_mcp_2 = sin_little_mcp * little_ab_1;
+    poses[410] = little_mcp_2;
+    let little_mcp_3 = cos_little_mcp * little_ab_2;
+    poses[411] = -little_mcp_3;
+    poses[412] = little_ab_1;
+    let little_mcp_4 = sin_little_mcp * little_ab_2;
+    poses[413] = -little_mcp_4;
+    poses[414] = -sin_little_mcp;
+    poses[415] = 0.0;
+    poses[416] = cos_little_mcp;
+    poses[417] = 0.07316999646242994;
+    poses[418] = -0.040822789677193355;
+    poses[419] = 0.0;
+    poses[420] = little_mcp_1;
+    poses[421] = little_ab_2;
+    poses[422] = little_mcp_2;
+    poses[423] = -little_mcp_3;
+    poses[424] = little_ab_1;
+    poses[425] = -little_mcp_4;
+    poses[426] = -sin_little_mcp;
+    poses[427] = 0.0;
+    poses[428] = cos_little_mcp;
+    let little_proximal_end_1 = mul_add(0.0327, little_mcp_1, 0.07316999646242994);
+    poses[429] = little_proximal_end_1;
+    let little_proximal_end_2 = neg_mul_add(0.0327, little_mcp_3, -0.040822789677193355);
+    poses[430] = little_proximal_end_2;
+    let little_proximal_end_3 = 0.0327 * sin_little_mcp;
+    poses[431] = -little_proximal_end_3;
     let (sin_little_pip, cos_little_pip) = sin_cos(q_little_pip);
-    let little_pip_1 = mul_add(
+    let little_pip_1 = mul_sub(
+        cos_little_pip,
+        little_mcp_1,
+        sin_little_pip * little_mcp_2,
+    );
+    poses[432] = little_pip_1;
+    poses[433] = little_ab_2;
+    let little_pip_2 = mul_add(
+        cos_little_pip,
+        little_mcp_2,
+        sin_little_pip * little_mcp_1,
+    );
+    poses[434] = little_pip_2;
+    let little_pip_3 = neg_mul_add(
+        cos_little_pip,
+        little_mcp_3,
+        sin_little_pip * little_mcp_4,
+    );
+    poses[435] = little_pip_3;
+    poses[436] = little_ab_1;
+    let little_pip_4 = mul_add(
+        cos_little_pip,
+        little_mcp_4,
+        sin_little_pip * little_mcp_3,
+    );
+    poses[437] = -little_pip_4;
+    let little_pip_5 = mul_add(
         sin_little_mcp,
         cos_little_pip,
         cos_little_mcp * sin_little_pip,
     );
-    let little_pip_2 = mul_sub(
+    poses[438] = -little_pip_5;
+    poses[439] = 0.0;
+    let little_pip_6 = mul_sub(
         cos_little_mcp,
         cos_little_pip,
         sin_little_mcp * sin_little_pip,
     );
-    poses[440] = little_pip_2;
-    poses[452] = little_pip_2;
+    poses[440] = little_pip_6;
+    poses[441] = little_proximal_end_1;
+    poses[442] = little_proximal_end_2;
+    poses[443] = -little_proximal_end_3;
+    poses[444] = little_pip_1;
+    poses[445] = little_ab_2;
+    poses[446] = little_pip_2;
+    poses[447] = little_pip_3;
+    poses[448] = little_ab_1;
+    poses[449] = -little_pip_4;
+    poses[450] = -little_pip_5;
+    poses[451] = 0.0;
+    poses[452] = little_pip_6;
     let little_middle_end_1 = mul_add(0.0181, little_pip_1, little_proximal_end_1);
-    poses[455] = -little_middle_end_1;
-    poses[467] = -little_middle_end_1;
+    poses[453] = little_middle_end_1;
+    let little_middle_end_2 = mul_add(0.0181, little_pip_3, little_proximal_end_2);
+    poses[454] = little_middle_end_2;
+    let little_middle_end_3 = mul_add(0.0181, little_pip_5, little_proximal_end_3);
+    poses[455] = -little_middle_end_3;
     let (sin_little_dip, cos_little_dip) = sin_cos(q_little_dip);
-    let little_dip_1 = mul_add(
+    let little_dip_1 = mul_sub(
         cos_little_dip,
         little_pip_1,
         sin_little_dip * little_pip_2,
     );
-    let little_dip_2 = mul_sub(
+    poses[456] = little_dip_1;
+    poses[457] = little_ab_2;
+    let little_dip_2 = mul_add(
         cos_little_dip,
         little_pip_2,
         sin_little_dip * little_pip_1,
     );
-    poses[464] = little_dip_2;
-    poses[476] = little_dip_2;
-    poses[488] = little_dip_2;
+    poses[458] = little_dip_2;
+    let little_dip_3 = mul_add(
+        cos_little_dip,
+        little_pip_3,
+        sin_little_dip * little_pip_4,
+    );
+    poses[459] = little_dip_3;
+    poses[460] = little_ab_1;
+    let little_dip_4 = neg_mul_add(
+        cos_little_dip,
+        little_pip_4,
+        sin_little_dip * little_pip_3,
+    );
+    poses[461] = little_dip_4;
+    let little_dip_5 = mul_add(
+        cos_little_dip,
+        little_pip_5,
+        sin_little_dip * little_pip_6,
+    );
+    poses[462] = -little_dip_5;
+    poses[463] = 0.0;
+    let little_dip_6 = mul_sub(
+        cos_little_dip,
+        little_pip_6,
+        sin_little_dip * little_pip_5,
+    );
+    poses[464] = little_dip_6;
+    poses[465] = little_middle_end_1;
+    poses[466] = little_middle_end_2;
+    poses[467] = -little_middle_end_3;
+    poses[468] = little_dip_1;
+    poses[469] = little_ab_2;
+    poses[470] = little_dip_2;
+    poses[471] = little_dip_3;
+    poses[472] = little_ab_1;
+    poses[473] = little_dip_4;
+    poses[474] = -little_dip_5;
+    poses[475] = 0.0;
+    poses[476] = little_dip_6;
+    poses[477] = mul_add(0.016, little_dip_1, little_middle_end_1);
+    poses[478] = mul_add(0.016, little_dip_3, little_middle_end_2);
+    poses[479] = -mul_add(0.016, little_dip_5, little_middle_end_3);
+    poses[480] = little_dip_1;
+    poses[481] = little_ab_2;
+    poses[482] = little_dip_2;
+    poses[483] = little_dip_3;
+    poses[484] = little_ab_1;
+    poses[485] = little_dip_4;
+    poses[486] = -little_dip_5;
+    poses[487] = 0.0;
+    poses[488] = little_dip_6;
+    poses[489] = little_middle_end_1
+        + mul_sub(0.0096, little_dip_1, 0.006 * little_dip_2);
+    poses[490] = little_middle_end_2
+        + mul_sub(0.0096, little_dip_3, 0.006 * little_dip_4);
+    poses[491] = -(little_middle_end_3
+        + mul_add(0.0096, little_dip_5, 0.006 * little_dip_6));
+    poses[492] = 1.0;
+    poses[493] = 0.0;
+    poses[494] = 0.0;
+    poses[495] = 0.0;
+    poses[496] = 1.0;
+    poses[497] = 0.0;
+    poses[498] = 0.0;
+    poses[499] = 0.0;
+    poses[500] = 1.0;
+    poses[501] = 0.0;
+    poses[502] = 0.0;
+    poses[503] = 0.0;
+    poses[504] = 0.7495962650805187;
+    poses[505] = -0.4759343948752794;
+    poses[506] = -0.4599911859503816;
+    poses[507] = 0.6313762241158432;
+    poses[508] = 0.30554924219653706;
+    poses[509] = 0.7127437998427926;
+    poses[510] = -0.19866933079506122;
+    poses[511] = -0.8246975884333746;
+    poses[512] = 0.5295322319119196;
+    poses[513] = 0.01;
+    poses[514] = 0.024;
+    poses[515] = -0.006;
     let (sin_thumb_ab, cos_thumb_ab) = sin_cos(q_thumb_ab);
     let thumb_ab_1 = mul_sub(
         0.7495962650805187,
@@ -486,13 +820,7 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
         0.4759343948752794 * cos_thumb_ab,
     );
     poses[517] = -thumb_ab_2;
-    poses[529] = -thumb_ab_2;
-    poses[541] = -thumb_ab_2;
-    poses[553] = -thumb_ab_2;
-    poses[565] = -thumb_ab_2;
-    poses[577] = -thumb_ab_2;
-    poses[589] = -thumb_ab_2;
-    poses[601] = -thumb_ab_2;
+    poses[518] = -0.4599911859503816;
     let thumb_ab_3 = mul_add(
         0.6313762241158432,
         cos_thumb_ab,
@@ -505,13 +833,7 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
         0.30554924219653706 * cos_thumb_ab,
     );
     poses[520] = thumb_ab_4;
-    poses[532] = thumb_ab_4;
-    poses[544] = thumb_ab_4;
-    poses[556] = thumb_ab_4;
-    poses[568] = thumb_ab_4;
-    poses[580] = thumb_ab_4;
-    poses[592] = thumb_ab_4;
-    poses[604] = thumb_ab_4;
+    poses[521] = 0.7127437998427926;
     let thumb_ab_5 = mul_add(
         0.19866933079506122,
         cos_thumb_ab,
@@ -524,489 +846,162 @@ pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
         0.8246975884333746 * cos_thumb_ab,
     );
     poses[523] = thumb_ab_6;
-    poses[535] = thumb_ab_6;
-    poses[547] = thumb_ab_6;
-    poses[559] = thumb_ab_6;
-    poses[571] = thumb_ab_6;
-    poses[583] = thumb_ab_6;
-    poses[595] = thumb_ab_6;
-    poses[607] = thumb_ab_6;
-    let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
-    poses[617] = -(sin_ball_rx * cos_ball_ry);
-    poses[620] = cos_ball_rx * cos_ball_ry;
-    let (sin_ball_rz, cos_ball_rz) = sin_cos(q_ball_rz);
-    poses[612] = cos_ball_ry * cos_ball_rz;
-    poses[613] = -(cos_ball_ry * sin_ball_rz);
-    let ball_1 = sin_ball_rx * sin_ball_ry;
-    poses[615] = mul_add(cos_ball_rz, ball_1, cos_ball_rx * sin_ball_rz);
-    poses[616] = mul_sub(cos_ball_rx, cos_ball_rz, sin_ball_rz * ball_1);
-    let ball_2 = cos_ball_rx * sin_ball_ry;
-    poses[618] = neg_mul_add(cos_ball_rz, ball_2, sin_ball_rx * sin_ball_rz);
-    poses[619] = mul_add(sin_ball_rx, cos_ball_rz, sin_ball_rz * ball_2);
-    let index_mcp_1 = sin_index_mcp * index_ab_1;
-    poses[50] = index_mcp_1;
-    poses[62] = index_mcp_1;
-    let index_mcp_2 = cos_index_mcp * index_ab_1;
-    poses[48] = index_mcp_2;
-    poses[60] = index_mcp_2;
-    let index_mcp_3 = sin_index_mcp * index_ab_2;
-    poses[53] = index_mcp_3;
-    poses[65] = index_mcp_3;
-    let index_mcp_4 = cos_index_mcp * index_ab_2;
-    poses[51] = index_mcp_4;
-    poses[63] = index_mcp_4;
-    poses[54] = -sin_index_mcp;
-    poses[66] = -sin_index_mcp;
-    let index_proximal_end_2 = mul_add(
-        0.039799999999999995,
-        index_mcp_2,
-        0.08794146756829149,
-    );
-    poses[69] = index_proximal_end_2;
-    poses[81] = index_proximal_end_2;
-    let index_proximal_end_3 = mul_add(
-        0.039799999999999995,
-        index_mcp_4,
-        0.027282828970839067,
-    );
-    poses[70] = index_proximal_end_3;
-    poses[82] = index_proximal_end_3;
-    let index_pip_3 = mul_add(cos_index_pip, index_mcp_1, sin_index_pip * index_mcp_2);
-    poses[74] = index_pip_3;
-    poses[86] = index_pip_3;
-    let index_pip_4 = mul_sub(cos_index_pip, index_mcp_2, sin_index_pip * index_mcp_1);
-    poses[72] = index_pip_4;
-    poses[84] = index_pip_4;
-    let index_pip_5 = mul_add(cos_index_pip, index_mcp_3, sin_index_pip * index_mcp_4);
-    poses[77] = index_pip_5;
-    poses[89] = index_pip_5;
-    let index_pip_6 = mul_sub(cos_index_pip, index_mcp_4, sin_index_pip * index_mcp_3);
-    poses[75] = index_pip_6;
-    poses[87] = index_pip_6;
-    poses[78] = -index_pip_1;
-    poses[90] = -index_pip_1;
-    let index_middle_end_2 = mul_add(0.0224, index_pip_4, index_proximal_end_2);
-    poses[93] = index_middle_end_2;
-    poses[105] = index_middle_end_2;
-    let index_middle_end_3 = mul_add(0.0224, index_pip_6, index_proximal_end_3);
-    poses[94] = index_middle_end_3;
-    poses[106] = index_middle_end_3;
-    let index_dip_3 = mul_add(cos_index_dip, index_pip_3, sin_index_dip * index_pip_4);
-    poses[98] = index_dip_3;
-    poses[110] = index_dip_3;
-    poses[122] = index_dip_3;
-    let index_dip_4 = mul_sub(cos_index_dip, index_pip_4, sin_index_dip * index_pip_3);
-    poses[96] = index_dip_4;
-    poses[108] = index_dip_4;
-    poses[120] = index_dip_4;
-    let index_dip_5 = mul_add(cos_index_dip, index_pip_5, sin_index_dip * index_pip_6);
-    poses[101] = index_dip_5;
-    poses[113] = index_dip_5;
-    poses[125] = index_dip_5;
-    let index_dip_6 = mul_sub(cos_index_dip, index_pip_6, sin_index_dip * index_pip_5);
-    poses[99] = index_dip_6;
-    poses[111] = index_dip_6;
-    poses[123] = index_dip_6;
-    poses[102] = -index_dip_1;
-    poses[114] = -index_dip_1;
-    poses[126] = -index_dip_1;
-    let middle_mcp_1 = cos_middle_ab * sin_middle_mcp;
-    poses[170] = middle_mcp_1;
-    poses[182] = middle_mcp_1;
-    let middle_mcp_2 = cos_middle_ab * cos_middle_mcp;
-    poses[168] = middle_mcp_2;
-    poses[180] = middle_mcp_2;
-    let middle_mcp_3 = sin_middle_ab * sin_middle_mcp;
-    poses[173] = middle_mcp_3;
-    poses[185] = middle_mcp_3;
-    let middle_mcp_4 = sin_middle_ab * cos_middle_mcp;
-    poses[171] = middle_mcp_4;
-    poses[183] = middle_mcp_4;
-    poses[174] = -sin_middle_mcp;
-    poses[186] = -sin_middle_mcp;
-    let middle_proximal_end_2 = mul_add(0.0446, middle_mcp_2, 0.0846);
-    poses[189] = middle_proximal_end_2;
-    poses[201] = middle_proximal_end_2;
-    let middle_proximal_end_3 = mul_add(0.0446, middle_mcp_4, 0.002);
-    poses[190] = middle_proximal_end_3;
-    poses[202] = middle_proximal_end_3;
-    let middle_pip_3 = mul_add(
-        cos_middle_pip,
-        middle_mcp_1,
-        sin_middle_pip * middle_mcp_2,
-    );
-    poses[194] = middle_pip_3;
-    poses[206] = middle_pip_3;
-    let middle_pip_4 = mul_sub(
-        cos_middle_pip,
-        middle_mcp_2,
-        sin_middle_pip * middle_mcp_1,
-    );
-    poses[192] = middle_pip_4;
-    poses[204] = middle_pip_4;
-    let middle_pip_5 = mul_add(
-        cos_middle_pip,
-        middle_mcp_3,
-        sin_middle_pip * middle_mcp_4,
-    );
-    poses[197] = middle_pip_5;
-    poses[209] = middle_pip_5;
-    let middle_pip_6 = mul_sub(
-        cos_middle_pip,
-        middle_mcp_4,
-        sin_middle_pip * middle_mcp_3,
-    );
-    poses[195] = middle_pip_6;
-    poses[207] = middle_pip_6;
-    poses[198] = -middle_pip_1;
-    poses[210] = -middle_pip_1;
-    let middle_middle_end_2 = mul_add(0.0263, middle_pip_4, middle_proximal_end_2);
-    poses[213] = middle_middle_end_2;
-    poses[225] = middle_middle_end_2;
-    let middle_middle_end_3 = mul_add(0.0263, middle_pip_6, middle_proximal_end_3);
-    poses[214] = middle_middle_end_3;
-    poses[226] = middle_middle_end_3;
-    let middle_dip_3 = mul_add(
-        cos_middle_dip,
-        middle_pip_3,
-        sin_middle_dip * middle_pip_4,
-    );
-    poses[218] = middle_dip_3;
-    poses[230] = middle_dip_3;
-    poses[242] = middle_dip_3;
-    let middle_dip_4 = mul_sub(
-        cos_middle_dip,
-        middle_pip_4,
-        sin_middle_dip * middle_pip_3,
-    );
-    poses[216] = middle_dip_4;
-    poses[228] = middle_dip_4;
-    poses[240] = middle_dip_4;
-    let middle_dip_5 = mul_add(
-        cos_middle_dip,
-        middle_pip_5,
-        sin_middle_dip * middle_pip_6,
-    );
-    poses[221] = middle_dip_5;
-    poses[233] = middle_dip_5;
-    poses[245] = middle_dip_5;
-    let middle_dip_6 = mul_sub(
-        cos_middle_dip,
-        middle_pip_6,
-        sin_middle_dip * middle_pip_5,
-    );
-    poses[219] = middle_dip_6;
-    poses[231] = middle_dip_6;
-    poses[243] = middle_dip_6;
-    poses[222] = -middle_dip_1;
-    poses[234] = -middle_dip_1;
-    poses[246] = -middle_dip_1;
-    let ring_mcp_1 = sin_ring_mcp * ring_ab_1;
-    poses[290] = ring_mcp_1;
-    poses[302] = ring_mcp_1;
-    let ring_mcp_2 = cos_ring_mcp * ring_ab_1;
-    poses[288] = ring_mcp_2;
-    poses[300] = ring_mcp_2;
-    let ring_mcp_3 = sin_ring_mcp * ring_ab_2;
-    poses[293] = -ring_mcp_3;
-    poses[305] = -ring_mcp_3;
-    let ring_mcp_4 = cos_ring_mcp * ring_ab_2;
-    poses[291] = -ring_mcp_4;
-    poses[303] = -ring_mcp_4;
-    poses[294] = -sin_ring_mcp;
-    poses[306] = -sin_ring_mcp;
-    let ring_proximal_end_2 = mul_add(0.0414, ring_mcp_2, 0.07790252031080737);
-    poses[309] = ring_proximal_end_2;
-    poses[321] = ring_proximal_end_2;
-    let ring_proximal_end_3 = neg_mul_add(0.0414, ring_mcp_4, -0.01989837520311291);
-    poses[310] = ring_proximal_end_3;
-    poses[322] = ring_proximal_end_3;
-    let ring_pip_3 = mul_add(cos_ring_pip, ring_mcp_1, sin_ring_pip * ring_mcp_2);
-    poses[314] = ring_pip_3;
-    poses[326] = ring_pip_3;
-    let ring_pip_4 = mul_sub(cos_ring_pip, ring_mcp_2, sin_ring_pip * ring_mcp_1);
-    poses[312] = ring_pip_4;
-    poses[324] = ring_pip_4;
-    let ring_pip_5 = mul_add(cos_ring_pip, ring_mcp_3, sin_ring_pip * ring_mcp_4);
-    poses[317] = -ring_pip_5;
-    poses[329] = -ring_pip_5;
-    let ring_pip_6 = neg_mul_add(cos_ring_pip, ring_mcp_4, sin_ring_pip * ring_mcp_3);
-    poses[315] = ring_pip_6;
-    poses[327] = ring_pip_6;
-    poses[318] = -ring_pip_1;
-    poses[330] = -ring_pip_1;
-    let ring_middle_end_2 = mul_add(0.0257, ring_pip_4, ring_proximal_end_2);
-    poses[333] = ring_middle_end_2;
-    poses[345] = ring_middle_end_2;
-    let ring_middle_end_3 = mul_add(0.0257, ring_pip_6, ring_proximal_end_3);
-    poses[334] = ring_middle_end_3;
-    poses[346] = ring_middle_end_3;
-    let ring_dip_3 = mul_add(cos_ring_dip, ring_pip_3, sin_ring_dip * ring_pip_4);
-    poses[338] = ring_dip_3;
-    poses[350] = ring_dip_3;
-    poses[362] = ring_dip_3;
-    let ring_dip_4 = mul_sub(cos_ring_dip, ring_pip_4, sin_ring_dip * ring_pip_3);
-    poses[336] = ring_dip_4;
-    poses[348] = ring_dip_4;
-    poses[360] = ring_dip_4;
-    let ring_dip_5 = neg_mul_add(cos_ring_dip, ring_pip_5, sin_ring_dip * ring_pip_6);
-    poses[341] = ring_dip_5;
-    poses[353] = ring_dip_5;
-    poses[365] = ring_dip_5;
-    let ring_dip_6 = mul_add(cos_ring_dip, ring_pip_6, sin_ring_dip * ring_pip_5);
-    poses[339] = ring_dip_6;
-    poses[351] = ring_dip_6;
-    poses[363] = ring_dip_6;
-    poses[342] = -ring_dip_1;
-    poses[354] = -ring_dip_1;
-    poses[366] = -ring_dip_1;
-    let little_mcp_1 = sin_little_mcp * little_ab_1;
-    poses[410] = little_mcp_1;
-    poses[422] = little_mcp_1;
-    let little_mcp_2 = cos_little_mcp * little_ab_1;
-    poses[408] = little_mcp_2;
-    poses[420] = little_mcp_2;
-    let little_mcp_3 = sin_little_mcp * little_ab_2;
-    poses[413] = -little_mcp_3;
-    poses[425] = -little_mcp_3;
-    let little_mcp_4 = cos_little_mcp * little_ab_2;
-    poses[411] = -little_mcp_4;
-    poses[423] = -little_mcp_4;
-    poses[414] = -sin_little_mcp;
-    poses[426] = -sin_little_mcp;
-    let little_proximal_end_2 = mul_add(0.0327, little_mcp_2, 0.07316999646242994);
-    poses[429] = little_proximal_end_2;
-    poses[441] = little_proximal_end_2;
-    let little_proximal_end_3 = neg_mul_add(0.0327, little_mcp_4, -0.040822789677193355);
-    poses[430] = little_proximal_end_3;
-    poses[442] = little_proximal_end_3;
-    let little_pip_3 = mul_add(
-        cos_little_pip,
-        little_mcp_1,
-        sin_little_pip * little_mcp_2,
-    );
-    poses[434] = little_pip_3;
-    poses[446] = little_pip_3;
-    let little_pip_4 = mul_sub(
-        cos_little_pip,
-        little_mcp_2,
-        sin_little_pip * little_mcp_1,
-    );
-    poses[432] = little_pip_4;
-    poses[444] = little_pip_4;
-    let little_pip_5 = mul_add(
-        cos_little_pip,
-        little_mcp_3,
-        sin_little_pip * little_mcp_4,
-    );
-    poses[437] = -little_pip_5;
-    poses[449] = -little_pip_5;
-    let little_pip_6 = neg_mul_add(
-        cos_little_pip,
-        little_mcp_4,
-        sin_little_pip * little_mcp_3,
-    );
-    poses[435] = little_pip_6;
-    poses[447] = little_pip_6;
-    poses[438] = -little_pip_1;
-    poses[450] = -little_pip_1;
-    let little_middle_end_2 = mul_add(0.0181, little_pip_4, little_proximal_end_2);
-    poses[453] = little_middle_end_2;
-    poses[465] = little_middle_end_2;
-    let little_middle_end_3 = mul_add(0.0181, little_pip_6, little_proximal_end_3);
-    poses[454] = little_middle_end_3;
-    poses[466] = little_middle_end_3;
-    let little_dip_3 = mul_add(
-        cos_little_dip,
-        little_pip_3,
-        sin_little_dip * little_pip_4,
-    );
-    poses[458] = little_dip_3;
-    poses[470] = little_dip_3;
-    poses[482] = little_dip_3;
-    let little_dip_4 = mul_sub(
-        cos_little_dip,
-        little_pip_4,
-        sin_little_dip * little_pip_3,
-    );
-    poses[456] = little_dip_4;
-    poses[468] = little_dip_4;
-    poses[480] = little_dip_4;
-    let little_dip_5 = neg_mul_add(
-        cos_little_dip,
-        little_pip_5,
-        sin_little_dip * little_pip_6,
-    );
-    poses[461] = little_dip_5;
-    poses[473] = little_dip_5;
-    poses[485] = little_dip_5;
-    let little_dip_6 = mul_add(
-        cos_little_dip,
-        little_pip_6,
-        sin_little_dip * little_pip_5,
-    );
-    poses[459] = little_dip_6;
-    poses[471] = little_dip_6;
-    poses[483] = little_dip_6;
-    poses[462] = -little_dip_1;
-    poses[474] = -little_dip_1;
-    poses[486] = -little_dip_1;
+    poses[524] = 0.5295322319119196;
+    poses[525] = 0.01;
+    poses[526] = 0.024;
+    poses[527] = -0.006;
     let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
-    let thumb_cmc_1 = neg_mul_add(
-        0.4599911859503816,
-        cos_thumb_cmc,
-        sin_thumb_cmc * thumb_ab_1,
-    );
-    poses[530] = thumb_cmc_1;
-    poses[542] = thumb_cmc_1;
-    let thumb_cmc_2 = mul_add(
+    let thumb_cmc_1 = mul_add(
         cos_thumb_cmc,
         thumb_ab_1,
         0.4599911859503816 * sin_thumb_cmc,
     );
-    poses[528] = thumb_cmc_2;
-    poses[540] = thumb_cmc_2;
-    let thumb_cmc_3 = mul_add(
-        0.7127437998427926,
+    poses[528] = thumb_cmc_1;
+    poses[529] = -thumb_ab_2;
+    let thumb_cmc_2 = neg_mul_add(
+        0.4599911859503816,
         cos_thumb_cmc,
-        sin_thumb_cmc * thumb_ab_3,
+        sin_thumb_cmc * thumb_ab_1,
     );
-    poses[533] = thumb_cmc_3;
-    poses[545] = thumb_cmc_3;
-    let thumb_cmc_4 = mul_sub(
+    poses[530] = thumb_cmc_2;
+    let thumb_cmc_3 = mul_sub(
         cos_thumb_cmc,
         thumb_ab_3,
         0.7127437998427926 * sin_thumb_cmc,
     );
-    poses[531] = thumb_cmc_4;
-    poses[543] = thumb_cmc_4;
-    let thumb_cmc_5 = mul_sub(
-        0.5295322319119196,
+    poses[531] = thumb_cmc_3;
+    poses[532] = thumb_ab_4;
+    let thumb_cmc_4 = mul_add(
+        0.7127437998427926,
         cos_thumb_cmc,
-        sin_thumb_cmc * thumb_ab_5,
+        sin_thumb_cmc * thumb_ab_3,
     );
-    poses[536] = thumb_cmc_5;
-    poses[548] = thumb_cmc_5;
-    let thumb_cmc_6 = mul_add(
+    poses[533] = thumb_cmc_4;
+    let thumb_cmc_5 = mul_add(
         cos_thumb_cmc,
         thumb_ab_5,
         0.5295322319119196 * sin_thumb_cmc,
     );
-    poses[534] = -thumb_cmc_6;
-    poses[546] = -thumb_cmc_6;
-    let thumb_metacarpal_end_1 = mul_add(0.046200000000000005, thumb_cmc_2, 0.01);
+    poses[534] = -thumb_cmc_5;
+    poses[535] = thumb_ab_6;
+    let thumb_cmc_6 = mul_sub(
+        0.5295322319119196,
+        cos_thumb_cmc,
+        sin_thumb_cmc * thumb_ab_5,
+    );
+    poses[536] = thumb_cmc_6;
+    poses[537] = 0.01;
+    poses[538] = 0.024;
+    poses[539] = -0.006;
+    poses[540] = thumb_cmc_1;
+    poses[541] = -thumb_ab_2;
+    poses[542] = thumb_cmc_2;
+    poses[543] = thumb_cmc_3;
+    poses[544] = thumb_ab_4;
+    poses[545] = thumb_cmc_4;
+    poses[546] = -thumb_cmc_5;
+    poses[547] = thumb_ab_6;
+    poses[548] = thumb_cmc_6;
+    let thumb_metacarpal_end_1 = mul_add(0.046200000000000005, thumb_cmc_1, 0.01);
     poses[549] = thumb_metacarpal_end_1;
-    poses[561] = thumb_metacarpal_end_1;
-    let thumb_metacarpal_end_2 = mul_add(0.046200000000000005, thumb_cmc_4, 0.024);
+    let thumb_metacarpal_end_2 = mul_add(0.046200000000000005, thumb_cmc_3, 0.024);
     poses[550] = thumb_metacarpal_end_2;
-    poses[562] = thumb_metacarpal_end_2;
-    let thumb_metacarpal_end_3 = neg_mul_add(0.046200000000000005, thumb_cmc_6, -0.006);
+    let thumb_metacarpal_end_3 = neg_mul_add(0.046200000000000005, thumb_cmc_5, -0.006);
     poses[551] = thumb_metacarpal_end_3;
-    poses[563] = thumb_metacarpal_end_3;
     let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
-    let thumb_mcp_1 = mul_add(cos_thumb_mcp, thumb_cmc_1, sin_thumb_mcp * thumb_cmc_2);
-    poses[554] = thumb_mcp_1;
-    poses[566] = thumb_mcp_1;
-    let thumb_mcp_2 = mul_sub(cos_thumb_mcp, thumb_cmc_2, sin_thumb_mcp * thumb_cmc_1);
-    poses[552] = thumb_mcp_2;
-    poses[564] = thumb_mcp_2;
-    let thumb_mcp_3 = mul_add(cos_thumb_mcp, thumb_cmc_3, sin_thumb_mcp * thumb_cmc_4);
-    poses[557] = thumb_mcp_3;
-    poses[569] = thumb_mcp_3;
-    let thumb_mcp_4 = mul_sub(cos_thumb_mcp, thumb_cmc_4, sin_thumb_mcp * thumb_cmc_3);
-    poses[555] = thumb_mcp_4;
-    poses[567] = thumb_mcp_4;
-    let thumb_mcp_5 = mul_sub(cos_thumb_mcp, thumb_cmc_5, sin_thumb_mcp * thumb_cmc_6);
-    poses[560] = thumb_mcp_5;
-    poses[572] = thumb_mcp_5;
-    let thumb_mcp_6 = mul_add(cos_thumb_mcp, thumb_cmc_6, sin_thumb_mcp * thumb_cmc_5);
-    poses[558] = -thumb_mcp_6;
-    poses[570] = -thumb_mcp_6;
-    let thumb_proximal_end_1 = mul_add(0.0316, thumb_mcp_2, thumb_metacarpal_end_1);
+    let thumb_mcp_1 = mul_sub(cos_thumb_mcp, thumb_cmc_1, sin_thumb_mcp * thumb_cmc_2);
+    poses[552] = thumb_mcp_1;
+    poses[553] = -thumb_ab_2;
+    let thumb_mcp_2 = mul_add(cos_thumb_mcp, thumb_cmc_2, sin_thumb_mcp * thumb_cmc_1);
+    poses[554] = thumb_mcp_2;
+    let thumb_mcp_3 = mul_sub(cos_thumb_mcp, thumb_cmc_3, sin_thumb_mcp * thumb_cmc_4);
+    poses[555] = thumb_mcp_3;
+    poses[556] = thumb_ab_4;
+    let thumb_mcp_4 = mul_add(cos_thumb_mcp, thumb_cmc_4, sin_thumb_mcp * thumb_cmc_3);
+    poses[557] = thumb_mcp_4;
+    let thumb_mcp_5 = mul_add(cos_thumb_mcp, thumb_cmc_5, sin_thumb_mcp * thumb_cmc_6);
+    poses[558] = -thumb_mcp_5;
+    poses[559] = thumb_ab_6;
+    let thumb_mcp_6 = mul_sub(cos_thumb_mcp, thumb_cmc_6, sin_thumb_mcp * thumb_cmc_5);
+    poses[560] = thumb_mcp_6;
+    poses[561] = thumb_metacarpal_end_1;
+    poses[562] = thumb_metacarpal_end_2;
+    poses[563] = thumb_metacarpal_end_3;
+    poses[564] = thumb_mcp_1;
+    poses[565] = -thumb_ab_2;
+    poses[566] = thumb_mcp_2;
+    poses[567] = thumb_mcp_3;
+    poses[568] = thumb_ab_4;
+    poses[569] = thumb_mcp_4;
+    poses[570] = -thumb_mcp_5;
+    poses[571] = thumb_ab_6;
+    poses[572] = thumb_mcp_6;
+    let thumb_proximal_end_1 = mul_add(0.0316, thumb_mcp_1, thumb_metacarpal_end_1);
     poses[573] = thumb_proximal_end_1;
-    poses[585] = thumb_proximal_end_1;
-    let thumb_proximal_end_2 = mul_add(0.0316, thumb_mcp_4, thumb_metacarpal_end_2);
+    let thumb_proximal_end_2 = mul_add(0.0316, thumb_mcp_3, thumb_metacarpal_end_2);
     poses[574] = thumb_proximal_end_2;
-    poses[586] = thumb_proximal_end_2;
-    let thumb_proximal_end_3 = neg_mul_add(0.0316, thumb_mcp_6, thumb_metacarpal_end_3);
+    let thumb_proximal_end_3 = neg_mul_add(0.0316, thumb_mcp_5, thumb_metacarpal_end_3);
     poses[575] = thumb_proximal_end_3;
-    poses[587] = thumb_proximal_end_3;
     let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
-    let thumb_ip_1 = mul_add(cos_thumb_ip, thumb_mcp_1, sin_thumb_ip * thumb_mcp_2);
-    poses[578] = thumb_ip_1;
-    poses[590] = thumb_ip_1;
-    poses[602] = thumb_ip_1;
-    let thumb_ip_2 = mul_sub(cos_thumb_ip, thumb_mcp_2, sin_thumb_ip * thumb_mcp_1);
-    poses[576] = thumb_ip_2;
-    poses[588] = thumb_ip_2;
-    poses[600] = thumb_ip_2;
-    let thumb_ip_3 = mul_add(cos_thumb_ip, thumb_mcp_3, sin_thumb_ip * thumb_mcp_4);
-    poses[581] = thumb_ip_3;
-    poses[593] = thumb_ip_3;
-    poses[605] = thumb_ip_3;
-    let thumb_ip_4 = mul_sub(cos_thumb_ip, thumb_mcp_4, sin_thumb_ip * thumb_mcp_3);
-    poses[579] = thumb_ip_4;
-    poses[591] = thumb_ip_4;
-    poses[603] = thumb_ip_4;
-    let thumb_ip_5 = mul_sub(cos_thumb_ip, thumb_mcp_5, sin_thumb_ip * thumb_mcp_6);
-    poses[584] = thumb_ip_5;
-    poses[596] = thumb_ip_5;
-    poses[608] = thumb_ip_5;
-    let thumb_ip_6 = mul_add(cos_thumb_ip, thumb_mcp_6, sin_thumb_ip * thumb_mcp_5);
-    poses[582] = -thumb_ip_6;
-    poses[594] = -thumb_ip_6;
-    poses[606] = -thumb_ip_6;
+    let thumb_ip_1 = mul_sub(cos_thumb_ip, thumb_mcp_1, sin_thumb_ip * thumb_mcp_2);
+    poses[576] = thumb_ip_1;
+    poses[577] = -thumb_ab_2;
+    let thumb_ip_2 = mul_add(cos_thumb_ip, thumb_mcp_2, sin_thumb_ip * thumb_mcp_1);
+    poses[578] = thumb_ip_2;
+    let thumb_ip_3 = mul_sub(cos_thumb_ip, thumb_mcp_3, sin_thumb_ip * thumb_mcp_4);
+    poses[579] = thumb_ip_3;
+    poses[580] = thumb_ab_4;
+    let thumb_ip_4 = mul_add(cos_thumb_ip, thumb_mcp_4, sin_thumb_ip * thumb_mcp_3);
+    poses[581] = thumb_ip_4;
+    let thumb_ip_5 = mul_add(cos_thumb_ip, thumb_mcp_5, sin_thumb_ip * thumb_mcp_6);
+    poses[582] = -thumb_ip_5;
+    poses[583] = thumb_ab_6;
+    let thumb_ip_6 = mul_sub(cos_thumb_ip, thumb_mcp_6, sin_thumb_ip * thumb_mcp_5);
+    poses[584] = thumb_ip_6;
+    poses[585] = thumb_proximal_end_1;
+    poses[586] = thumb_proximal_end_2;
+    poses[587] = thumb_proximal_end_3;
+    poses[588] = thumb_ip_1;
+    poses[589] = -thumb_ab_2;
+    poses[590] = thumb_ip_2;
+    poses[591] = thumb_ip_3;
+    poses[592] = thumb_ab_4;
+    poses[593] = thumb_ip_4;
+    poses[594] = -thumb_ip_5;
+    poses[595] = thumb_ab_6;
+    poses[596] = thumb_ip_6;
+    poses[597] = mul_add(0.0217, thumb_ip_1, thumb_proximal_end_1);
+    poses[598] = mul_add(0.0217, thumb_ip_3, thumb_proximal_end_2);
+    poses[599] = neg_mul_add(0.0217, thumb_ip_5, thumb_proximal_end_3);
+    poses[600] = thumb_ip_1;
+    poses[601] = -thumb_ab_2;
+    poses[602] = thumb_ip_2;
+    poses[603] = thumb_ip_3;
+    poses[604] = thumb_ab_4;
+    poses[605] = thumb_ip_4;
+    poses[606] = -thumb_ip_5;
+    poses[607] = thumb_ab_6;
+    poses[608] = thumb_ip_6;
+    poses[609] = thumb_proximal_end_1 + mul_sub(0.01302, thumb_ip_1, 0.008 * thumb_ip_2);
+    poses[610] = thumb_proximal_end_2 + mul_sub(0.01302, thumb_ip_3, 0.008 * thumb_ip_4);
+    poses[611] = thumb_proximal_end_3 - mul_add(0.01302, thumb_ip_5, 0.008 * thumb_ip_6);
+    let (sin_ball_rz, cos_ball_rz) = sin_cos(q_ball_rz);
+    let (sin_ball_ry, cos_ball_ry) = sin_cos(q_ball_ry);
+    poses[612] = cos_ball_ry * cos_ball_rz;
+    poses[613] = -(cos_ball_ry * sin_ball_rz);
+    poses[614] = sin_ball_ry;
+    let (sin_ball_rx, cos_ball_rx) = sin_cos(q_ball_rx);
+    let ball_1 = sin_ball_rx * sin_ball_ry;
+    poses[615] = mul_add(cos_ball_rz, ball_1, cos_ball_rx * sin_ball_rz);
+    poses[616] = mul_sub(cos_ball_rx, cos_ball_rz, sin_ball_rz * ball_1);
+    poses[617] = -(sin_ball_rx * cos_ball_ry);
+    let ball_2 = cos_ball_rx * sin_ball_ry;
+    poses[618] = neg_mul_add(cos_ball_rz, ball_2, sin_ball_rx * sin_ball_rz);
+    poses[619] = mul_add(sin_ball_rx, cos_ball_rz, sin_ball_rz * ball_2);
+    poses[620] = cos_ball_rx * cos_ball_ry;
     poses[621] = 0.0596 + q_ball_tx;
     poses[622] = -0.0053 + q_ball_ty;
     poses[623] = -0.0509 + q_ball_tz;
-    let index_pad_1 = mul_sub(0.00948, index_dip_4, 0.006 * index_dip_3);
-    let index_pad_2 = mul_sub(0.00948, index_dip_6, 0.006 * index_dip_5);
-    let index_pad_3 = mul_add(0.00948, index_dip_1, 0.006 * index_dip_2);
-    poses[129] = index_middle_end_2 + index_pad_1;
-    poses[130] = index_middle_end_3 + index_pad_2;
-    poses[131] = -(index_middle_end_1 + index_pad_3);
-    let middle_pad_1 = mul_sub(0.01044, middle_dip_4, 0.006 * middle_dip_3);
-    let middle_pad_2 = mul_sub(0.01044, middle_dip_6, 0.006 * middle_dip_5);
-    let middle_pad_3 = mul_add(0.01044, middle_dip_1, 0.006 * middle_dip_2);
-    poses[249] = middle_middle_end_2 + middle_pad_1;
-    poses[250] = middle_middle_end_3 + middle_pad_2;
-    poses[251] = -(middle_middle_end_1 + middle_pad_3);
-    let ring_pad_1 = mul_sub(0.010379999999999999, ring_dip_4, 0.006 * ring_dip_3);
-    let ring_pad_2 = mul_sub(0.010379999999999999, ring_dip_6, 0.006 * ring_dip_5);
-    let ring_pad_3 = mul_add(0.010379999999999999, ring_dip_1, 0.006 * ring_dip_2);
-    poses[369] = ring_middle_end_2 + ring_pad_1;
-    poses[370] = ring_middle_end_3 + ring_pad_2;
-    poses[371] = -(ring_middle_end_1 + ring_pad_3);
-    let little_pad_1 = mul_sub(0.0096, little_dip_4, 0.006 * little_dip_3);
-    let little_pad_2 = mul_sub(0.0096, little_dip_6, 0.006 * little_dip_5);
-    let little_pad_3 = mul_add(0.0096, little_dip_1, 0.006 * little_dip_2);
-    poses[489] = little_middle_end_2 + little_pad_1;
-    poses[490] = little_middle_end_3 + little_pad_2;
-    poses[491] = -(little_middle_end_1 + little_pad_3);
-    let thumb_pad_1 = mul_sub(0.01302, thumb_ip_2, 0.008 * thumb_ip_1);
-    let thumb_pad_2 = mul_sub(0.01302, thumb_ip_4, 0.008 * thumb_ip_3);
-    let thumb_pad_3 = mul_add(0.01302, thumb_ip_6, 0.008 * thumb_ip_5);
-    poses[609] = thumb_proximal_end_1 + thumb_pad_1;
-    poses[610] = thumb_proximal_end_2 + thumb_pad_2;
-    poses[611] = thumb_proximal_end_3 - thumb_pad_3;
-    poses[22] = 0.022;
-    poses[117] = mul_add(0.0158, index_dip_4, index_middle_end_2);
-    poses[118] = mul_add(0.0158, index_dip_6, index_middle_end_3);
-    poses[119] = -mul_add(0.0158, index_dip_1, index_middle_end_1);
-    poses[237] = mul_add(0.0174, middle_dip_4, middle_middle_end_2);
-    poses[238] = mul_add(0.0174, middle_dip_6, middle_middle_end_3);
-    poses[239] = -mul_add(0.0174, middle_dip_1, middle_middle_end_1);
-    poses[262] = -0.016;
-    poses[357] = mul_add(0.0173, ring_dip_4, ring_middle_end_2);
-    poses[358] = mul_add(0.0173, ring_dip_6, ring_middle_end_3);
-    poses[359] = -mul_add(0.0173, ring_dip_1, ring_middle_end_1);
-    poses[382] = -0.032;
-    poses[477] = mul_add(0.016, little_dip_4, little_middle_end_2);
-    poses[478] = mul_add(0.016, little_dip_6, little_middle_end_3);
-    poses[479] = -mul_add(0.016, little_dip_1, little_middle_end_1);
-    poses[597] = mul_add(0.0217, thumb_ip_2, thumb_proximal_end_1);
-    poses[598] = mul_add(0.0217, thumb_ip_4, thumb_proximal_end_2);
-    poses[599] = neg_mul_add(0.0217, thumb_ip_6, thumb_proximal_end_3);
 }
 
 /// Where a frame stands in the world.

@@ -20,6 +20,26 @@ pub fn required_numbers(params: &[f64; PARAMETERS], numbers: &mut [f64; NUMBERS]
 ///
 /// 0 operations.
 pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
+    q[coordinate::INDEX_AB] = 0.161;
+    q[coordinate::INDEX_MCP] = 1.319;
+    q[coordinate::INDEX_PIP] = 0.7559905637933995;
+    q[coordinate::INDEX_DIP] = 0.478;
+    q[coordinate::MIDDLE_AB] = 0.091;
+    q[coordinate::MIDDLE_MCP] = 0.978;
+    q[coordinate::MIDDLE_PIP] = 0.8266987431607087;
+    q[coordinate::MIDDLE_DIP] = 0.758;
+    q[coordinate::RING_AB] = -0.251;
+    q[coordinate::RING_MCP] = 0.864;
+    q[coordinate::RING_PIP] = 0.8519387556257116;
+    q[coordinate::RING_DIP] = 0.77;
+    q[coordinate::LITTLE_AB] = -0.091;
+    q[coordinate::LITTLE_MCP] = 1.244;
+    q[coordinate::LITTLE_PIP] = 0.675921932425243;
+    q[coordinate::LITTLE_DIP] = 0.312;
+    q[coordinate::THUMB_AB] = 0.591;
+    q[coordinate::THUMB_CMC] = 0.406;
+    q[coordinate::THUMB_MCP] = 0.5060314975124586;
+    q[coordinate::THUMB_IP] = 0.431;
     q[coordinate::BALL_TX] = 0.0;
     q[coordinate::BALL_TY] = 0.0;
     q[coordinate::BALL_TZ] = 0.0;
@@ -52,24 +72,4 @@ pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
     v[coordinate::BALL_RX] = 0.0;
     v[coordinate::BALL_RY] = 0.0;
     v[coordinate::BALL_RZ] = 0.0;
-    q[coordinate::INDEX_AB] = 0.161;
-    q[coordinate::INDEX_MCP] = 1.319;
-    q[coordinate::INDEX_PIP] = 0.7559905637933995;
-    q[coordinate::INDEX_DIP] = 0.478;
-    q[coordinate::MIDDLE_AB] = 0.091;
-    q[coordinate::MIDDLE_MCP] = 0.978;
-    q[coordinate::MIDDLE_PIP] = 0.8266987431607087;
-    q[coordinate::MIDDLE_DIP] = 0.758;
-    q[coordinate::RING_AB] = -0.251;
-    q[coordinate::RING_MCP] = 0.864;
-    q[coordinate::RING_PIP] = 0.8519387556257116;
-    q[coordinate::RING_DIP] = 0.77;
-    q[coordinate::LITTLE_AB] = -0.091;
-    q[coordinate::LITTLE_MCP] = 1.244;
-    q[coordinate::LITTLE_PIP] = 0.675921932425243;
-    q[coordinate::LITTLE_DIP] = 0.312;
-    q[coordinate::THUMB_AB] = 0.591;
-    q[coordinate::THUMB_CMC] = 0.406;
-    q[coordinate::THUMB_MCP] = 0.5060314975124586;
-    q[coordinate::THUMB_IP] = 0.431;
 }

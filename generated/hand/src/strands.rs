@@ -750,7 +750,6 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
         5.17e-5 * cos_thumb_mcp,
     ) / thumb_epl_11;
     arms[358] = thumb_epl_12;
-    arms[378] = thumb_epl_12;
     let thumb_epl_13 = sqrt(
         0.00021066000000000002
             - mul_sub(0.0001895, cos_thumb_ip, 9.200000000000003e-5 * sin_thumb_ip),
@@ -778,6 +777,7 @@ pub fn moment_arms(q: &[f64; COORDINATES], arms: &mut [f64; ARMS]) {
     arms[376] = thumb_epb_6
         * mul_sub(thumb_epb_1, thumb_epb_4, thumb_epb_3 * thumb_epb_2);
     arms[377] = thumb_epb_6 * mul_sub(thumb_epl_6, thumb_epb_2, thumb_epl_10);
+    arms[378] = thumb_epl_12;
     let thumb_apl_1 = neg_mul_add(
         0.007000000000000001,
         cos_thumb_ab,

@@ -20,7 +20,26 @@ pub fn required_numbers(params: &[f64; PARAMETERS], numbers: &mut [f64; NUMBERS]
 ///
 /// 0 operations.
 pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
+    q[coordinate::INDEX_AB] = 0.1;
+    q[coordinate::INDEX_MCP] = 0.1;
+    q[coordinate::INDEX_PIP] = 0.15;
+    q[coordinate::INDEX_DIP] = 0.1;
+    q[coordinate::MIDDLE_AB] = 0.02;
+    q[coordinate::MIDDLE_MCP] = 0.1;
+    q[coordinate::MIDDLE_PIP] = 0.15;
+    q[coordinate::MIDDLE_DIP] = 0.1;
+    q[coordinate::RING_AB] = -0.08;
+    q[coordinate::RING_MCP] = 0.1;
+    q[coordinate::RING_PIP] = 0.15;
+    q[coordinate::RING_DIP] = 0.1;
+    q[coordinate::LITTLE_AB] = -0.18;
+    q[coordinate::LITTLE_MCP] = 0.1;
+    q[coordinate::LITTLE_PIP] = 0.15;
+    q[coordinate::LITTLE_DIP] = 0.1;
     q[coordinate::THUMB_AB] = 0.0;
+    q[coordinate::THUMB_CMC] = 0.1;
+    q[coordinate::THUMB_MCP] = 0.1;
+    q[coordinate::THUMB_IP] = 0.1;
     v[coordinate::INDEX_AB] = 0.0;
     v[coordinate::INDEX_MCP] = 0.0;
     v[coordinate::INDEX_PIP] = 0.0;
@@ -41,23 +60,4 @@ pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
     v[coordinate::THUMB_CMC] = 0.0;
     v[coordinate::THUMB_MCP] = 0.0;
     v[coordinate::THUMB_IP] = 0.0;
-    q[coordinate::INDEX_AB] = 0.1;
-    q[coordinate::INDEX_MCP] = 0.1;
-    q[coordinate::INDEX_DIP] = 0.1;
-    q[coordinate::MIDDLE_MCP] = 0.1;
-    q[coordinate::MIDDLE_DIP] = 0.1;
-    q[coordinate::RING_MCP] = 0.1;
-    q[coordinate::RING_DIP] = 0.1;
-    q[coordinate::LITTLE_MCP] = 0.1;
-    q[coordinate::LITTLE_DIP] = 0.1;
-    q[coordinate::THUMB_CMC] = 0.1;
-    q[coordinate::THUMB_MCP] = 0.1;
-    q[coordinate::THUMB_IP] = 0.1;
-    q[coordinate::INDEX_PIP] = 0.15;
-    q[coordinate::MIDDLE_PIP] = 0.15;
-    q[coordinate::RING_PIP] = 0.15;
-    q[coordinate::LITTLE_PIP] = 0.15;
-    q[coordinate::MIDDLE_AB] = 0.02;
-    q[coordinate::RING_AB] = -0.08;
-    q[coordinate::LITTLE_AB] = -0.18;
 }

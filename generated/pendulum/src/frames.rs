@@ -10,31 +10,31 @@ use handc_core::math::sin_cos;
 /// 1 operation: 1 sine and cosine.
 pub fn write_poses(q: &[f64; COORDINATES], poses: &mut [f64; POSES]) {
     let q_theta = q[coordinate::THETA];
+    poses[0] = 1.0;
     poses[1] = 0.0;
     poses[2] = 0.0;
     poses[3] = 0.0;
+    poses[4] = 1.0;
     poses[5] = 0.0;
     poses[6] = 0.0;
     poses[7] = 0.0;
+    poses[8] = 1.0;
     poses[9] = 0.0;
     poses[10] = 0.0;
     poses[11] = 0.0;
+    poses[12] = 1.0;
     poses[13] = 0.0;
     poses[14] = 0.0;
     poses[15] = 0.0;
+    let (sin_theta, cos_theta) = sin_cos(q_theta);
+    poses[16] = cos_theta;
+    poses[17] = -sin_theta;
     poses[18] = 0.0;
+    poses[19] = sin_theta;
+    poses[20] = cos_theta;
     poses[21] = 0.0;
     poses[22] = 0.0;
     poses[23] = 0.0;
-    poses[0] = 1.0;
-    poses[4] = 1.0;
-    poses[8] = 1.0;
-    poses[12] = 1.0;
-    let (sin_theta, cos_theta) = sin_cos(q_theta);
-    poses[19] = sin_theta;
-    poses[16] = cos_theta;
-    poses[20] = cos_theta;
-    poses[17] = -sin_theta;
 }
 
 /// Where a frame stands in the world.

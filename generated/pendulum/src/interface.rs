@@ -66,7 +66,7 @@ impl Model for Pendulum {
     fn start(&mut self, q: &mut [f64], v: &mut [f64]) {
         let q = sized_mut(q);
         let v = sized_mut(v);
-        time::start(v, q);
+        time::start(q, v);
     }
 
     fn potential(&mut self, q: &[f64], _rest: &[f64]) -> f64 {

@@ -7,7 +7,7 @@ use crate::layout::{COORDINATES, coordinate};
 /// Coordinates and rates at the start.
 ///
 /// 0 operations.
-pub fn start(v: &mut [f64; COORDINATES], q: &mut [f64; COORDINATES]) {
-    v[coordinate::THETA] = 0.0;
+pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
     q[coordinate::THETA] = 2.0;
+    v[coordinate::THETA] = 0.0;
 }

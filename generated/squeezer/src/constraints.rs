@@ -18,12 +18,6 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
     let q_phi = q[coordinate::PHI];
     let q_epsilon = q[coordinate::EPSILON];
     let q_omega = q[coordinate::OMEGA];
-    let (sin_delta, cos_delta) = sin_cos(q_delta);
-    let loop4_1 = mul_add(0.04, cos_delta, -0.06934);
-    let loop4_2 = mul_add(0.04, sin_delta, -0.00227);
-    let (sin_epsilon, cos_epsilon) = sin_cos(q_epsilon);
-    let loop6_1 = mul_add(0.04, sin_epsilon, -0.06934);
-    let loop6_2 = neg_mul_add(0.04, cos_epsilon, -0.00227);
     let (sin_theta, cos_theta) = sin_cos(q_theta);
     let (sin_beta, cos_beta) = sin_cos(q_beta);
     let loop3_1 = mul_sub(
@@ -31,42 +25,42 @@ pub fn rows(q: &[f64; COORDINATES], rows: &mut [f64; ROWS]) {
         cos_beta,
         0.028 * mul_sub(cos_beta, cos_theta, sin_beta * sin_theta),
     );
+    let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
+    rows[row::LOOP3_X] = loop3_1 - mul_add(0.035, sin_gamma, -0.03635);
     let loop3_2 = mul_sub(
         0.007,
         sin_beta,
         0.028 * mul_add(sin_beta, cos_theta, cos_beta * sin_theta),
     );
-    let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    let loop3_3 = mul_add(0.035, sin_gamma, -0.03635);
-    let loop3_4 = neg_mul_add(0.035, cos_gamma, 0.032729999999999995);
-    rows[row::LOOP3_X] = loop3_1 - loop3_3;
-    rows[row::LOOP3_Y] = loop3_2 - loop3_4;
+    rows[row::LOOP3_Y] = loop3_2 - neg_mul_add(0.035, cos_gamma, 0.032729999999999995);
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let loop4_3 = mul_add(
+    let (sin_delta, cos_delta) = sin_cos(q_delta);
+    let loop4_1 = mul_add(
         0.02,
         mul_add(sin_delta, cos_phi, cos_delta * sin_phi),
-        loop4_1,
+        mul_add(0.04, cos_delta, -0.06934),
     );
-    let loop4_4 = neg_mul_add(
+    rows[row::LOOP4_X] = loop3_1 - loop4_1;
+    let loop4_2 = neg_mul_add(
         0.02,
         mul_sub(cos_delta, cos_phi, sin_delta * sin_phi),
-        loop4_2,
+        mul_add(0.04, sin_delta, -0.00227),
     );
-    rows[row::LOOP4_X] = loop3_1 - loop4_3;
-    rows[row::LOOP4_Y] = loop3_2 - loop4_4;
+    rows[row::LOOP4_Y] = loop3_2 - loop4_2;
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let loop6_3 = mul_add(
+    let (sin_epsilon, cos_epsilon) = sin_cos(q_epsilon);
+    let loop6_1 = mul_add(
         0.02,
         mul_sub(cos_epsilon, cos_omega, sin_epsilon * sin_omega),
-        loop6_1,
+        mul_add(0.04, sin_epsilon, -0.06934),
     );
-    let loop6_4 = mul_add(
+    rows[row::LOOP6_X] = loop3_1 - loop6_1;
+    let loop6_2 = mul_add(
         0.02,
         mul_add(sin_epsilon, cos_omega, cos_epsilon * sin_omega),
-        loop6_2,
+        neg_mul_add(0.04, cos_epsilon, -0.00227),
     );
-    rows[row::LOOP6_X] = loop3_1 - loop6_3;
-    rows[row::LOOP6_Y] = loop3_2 - loop6_4;
+    rows[row::LOOP6_Y] = loop3_2 - loop6_2;
 }
 
 /// Derivatives ∂h/∂q, packed by block; entries that are zero by structure are not written.
@@ -82,49 +76,41 @@ pub fn jacobian(q: &[f64; COORDINATES], jacobian: &mut [f64; JACOBIAN]) {
     let q_phi = q[coordinate::PHI];
     let q_epsilon = q[coordinate::EPSILON];
     let q_omega = q[coordinate::OMEGA];
-    let (sin_delta, cos_delta) = sin_cos(q_delta);
-    let loop4_1 = mul_add(0.04, cos_delta, -0.06934);
-    let loop4_2 = mul_add(0.04, sin_delta, -0.00227);
-    let (sin_epsilon, cos_epsilon) = sin_cos(q_epsilon);
-    let loop6_1 = mul_add(0.04, sin_epsilon, -0.06934);
-    let loop6_2 = neg_mul_add(0.04, cos_epsilon, -0.00227);
     let (sin_theta, cos_theta) = sin_cos(q_theta);
     let (sin_beta, cos_beta) = sin_cos(q_beta);
-    let loop3_1 = 0.028 * mul_sub(cos_beta, cos_theta, sin_beta * sin_theta);
-    jacobian[8] = -loop3_1;
-    jacobian[22] = -loop3_1;
-    jacobian[36] = -loop3_1;
-    let loop3_2 = 0.028 * mul_add(sin_beta, cos_theta, cos_beta * sin_theta);
-    jacobian[1] = loop3_2;
-    jacobian[15] = loop3_2;
-    jacobian[29] = loop3_2;
-    let loop3_3 = mul_sub(0.007, cos_beta, loop3_1);
-    jacobian[7] = loop3_3;
-    jacobian[21] = loop3_3;
-    jacobian[35] = loop3_3;
-    let loop3_4 = mul_sub(0.007, sin_beta, loop3_2);
+    let loop3_1 = 0.028 * mul_add(sin_beta, cos_theta, cos_beta * sin_theta);
+    let loop3_2 = mul_sub(0.007, sin_beta, loop3_1);
+    jacobian[0] = -loop3_2;
+    jacobian[1] = loop3_1;
     let (sin_gamma, cos_gamma) = sin_cos(q_gamma);
-    jacobian[9] = -0.035 * sin_gamma;
     jacobian[2] = -0.035 * cos_gamma;
+    let loop3_3 = 0.028 * mul_sub(cos_beta, cos_theta, sin_beta * sin_theta);
+    let loop3_4 = mul_sub(0.007, cos_beta, loop3_3);
+    jacobian[7] = loop3_4;
+    jacobian[8] = -loop3_3;
+    jacobian[9] = -0.035 * sin_gamma;
+    jacobian[14] = -loop3_2;
+    jacobian[15] = loop3_1;
     let (sin_phi, cos_phi) = sin_cos(q_phi);
-    let loop4_3 = 0.02 * mul_add(sin_delta, cos_phi, cos_delta * sin_phi);
-    jacobian[25] = -loop4_3;
-    let loop4_4 = 0.02 * mul_sub(cos_delta, cos_phi, sin_delta * sin_phi);
-    jacobian[18] = -loop4_4;
-    let loop4_5 = loop4_1 + loop4_3;
-    let loop4_6 = loop4_2 - loop4_4;
+    let (sin_delta, cos_delta) = sin_cos(q_delta);
+    let loop4_1 = 0.02 * mul_sub(cos_delta, cos_phi, sin_delta * sin_phi);
+    jacobian[17] = 0.00227 + (mul_add(0.04, sin_delta, -0.00227) - loop4_1);
+    jacobian[18] = -loop4_1;
+    jacobian[21] = loop3_4;
+    jacobian[22] = -loop3_3;
+    let loop4_2 = 0.02 * mul_add(sin_delta, cos_phi, cos_delta * sin_phi);
+    jacobian[24] = -0.06934 - (mul_add(0.04, cos_delta, -0.06934) + loop4_2);
+    jacobian[25] = -loop4_2;
+    jacobian[28] = -loop3_2;
+    jacobian[29] = loop3_1;
     let (sin_omega, cos_omega) = sin_cos(q_omega);
-    let loop6_3 = 0.02 * mul_add(sin_epsilon, cos_omega, cos_epsilon * sin_omega);
-    jacobian[34] = loop6_3;
-    let loop6_4 = 0.02 * mul_sub(cos_epsilon, cos_omega, sin_epsilon * sin_omega);
-    let loop6_5 = loop6_1 + loop6_4;
-    let loop6_6 = loop6_2 + loop6_3;
-    jacobian[0] = -loop3_4;
-    jacobian[14] = -loop3_4;
-    jacobian[28] = -loop3_4;
-    jacobian[17] = 0.00227 + loop4_6;
-    jacobian[24] = -0.06934 - loop4_5;
-    jacobian[41] = -loop6_4;
-    jacobian[33] = 0.00227 + loop6_6;
-    jacobian[40] = -0.06934 - loop6_5;
+    let (sin_epsilon, cos_epsilon) = sin_cos(q_epsilon);
+    let loop6_1 = 0.02 * mul_add(sin_epsilon, cos_omega, cos_epsilon * sin_omega);
+    jacobian[33] = 0.00227 + (neg_mul_add(0.04, cos_epsilon, -0.00227) + loop6_1);
+    jacobian[34] = loop6_1;
+    jacobian[35] = loop3_4;
+    jacobian[36] = -loop3_3;
+    let loop6_2 = 0.02 * mul_sub(cos_epsilon, cos_omega, sin_epsilon * sin_omega);
+    jacobian[40] = -0.06934 - (mul_add(0.04, sin_epsilon, -0.06934) + loop6_2);
+    jacobian[41] = -loop6_2;
 }

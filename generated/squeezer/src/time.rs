@@ -18,7 +18,13 @@ pub fn required_numbers(params: &[f64; PARAMETERS], numbers: &mut [f64; NUMBERS]
 ///
 /// 0 operations.
 pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
+    q[coordinate::BETA] = -0.06171389001427645;
     q[coordinate::THETA] = 0.0;
+    q[coordinate::GAMMA] = 0.45527981916307037;
+    q[coordinate::DELTA] = 0.48736497954384256;
+    q[coordinate::PHI] = 0.22266839016588588;
+    q[coordinate::EPSILON] = 1.2305474445498212;
+    q[coordinate::OMEGA] = -0.22266839016588588;
     v[coordinate::BETA] = 0.0;
     v[coordinate::THETA] = 0.0;
     v[coordinate::GAMMA] = 0.0;
@@ -26,12 +32,6 @@ pub fn start(q: &mut [f64; COORDINATES], v: &mut [f64; COORDINATES]) {
     v[coordinate::PHI] = 0.0;
     v[coordinate::EPSILON] = 0.0;
     v[coordinate::OMEGA] = 0.0;
-    q[coordinate::BETA] = -0.06171389001427645;
-    q[coordinate::GAMMA] = 0.45527981916307037;
-    q[coordinate::DELTA] = 0.48736497954384256;
-    q[coordinate::PHI] = 0.22266839016588588;
-    q[coordinate::EPSILON] = 1.2305474445498212;
-    q[coordinate::OMEGA] = -0.22266839016588588;
 }
 
 /// Natural lengths that the model gives (m).

@@ -129,47 +129,47 @@ pub fn factor(
     let g_after_3 = after[3];
     let g_after_4 = after[4];
     let g_after_5 = after[5];
-    factors[1] = j_1;
-    factors[2] = -g_before_0;
-    factors[13] = g_after_2;
-    factors[3] = -g_before_3;
     let factor_1 = 1.0 / j_0;
     factors[0] = factor_1;
+    factors[1] = j_1;
+    factors[2] = -g_before_0;
+    factors[3] = -g_before_3;
     let factor_2 = j_3 * factor_1;
     factors[4] = factor_2;
-    let factor_3 = mul_sub(g_before_0, factor_2, g_before_1);
-    factors[8] = factor_3;
-    let factor_4 = mul_sub(g_before_3, factor_2, g_before_4);
-    factors[9] = factor_4;
-    let factor_5 = g_after_0 * factor_1;
-    factors[5] = factor_5;
-    let factor_6 = g_after_3 * factor_1;
-    factors[6] = factor_6;
-    let factor_7 = 1.0 / neg_mul_add(j_1, factor_2, j_4);
-    factors[7] = factor_7;
-    let factor_8 = neg_mul_add(j_1, factor_5, g_after_1) * factor_7;
+    let factor_3 = g_after_0 * factor_1;
+    factors[5] = factor_3;
+    let factor_4 = g_after_3 * factor_1;
+    factors[6] = factor_4;
+    let factor_5 = 1.0 / neg_mul_add(j_1, factor_2, j_4);
+    factors[7] = factor_5;
+    let factor_6 = mul_sub(g_before_0, factor_2, g_before_1);
+    factors[8] = factor_6;
+    let factor_7 = mul_sub(g_before_3, factor_2, g_before_4);
+    factors[9] = factor_7;
+    let factor_8 = neg_mul_add(j_1, factor_3, g_after_1) * factor_5;
     factors[10] = factor_8;
-    let factor_9 = mul_sub(g_before_3, factor_5, factor_4 * factor_8);
-    factors[14] = factor_9;
-    let factor_10 = neg_mul_add(j_1, factor_6, g_after_4) * factor_7;
-    factors[11] = factor_10;
-    let factor_11 = 1.0 / mul_sub(g_before_0, factor_5, factor_3 * factor_8);
-    factors[12] = factor_11;
-    let factor_12 = g_before_2 * factor_11;
+    let factor_9 = neg_mul_add(j_1, factor_4, g_after_4) * factor_5;
+    factors[11] = factor_9;
+    let factor_10 = 1.0 / mul_sub(g_before_0, factor_3, factor_6 * factor_8);
+    factors[12] = factor_10;
+    factors[13] = g_after_2;
+    let factor_11 = mul_sub(g_before_3, factor_3, factor_7 * factor_8);
+    factors[14] = factor_11;
+    let factor_12 = g_before_2 * factor_10;
     factors[15] = -factor_12;
-    let factor_13 = mul_sub(g_before_0, factor_6, factor_3 * factor_10) * factor_11;
+    let factor_13 = mul_sub(g_before_0, factor_4, factor_6 * factor_9) * factor_10;
     factors[16] = factor_13;
-    let factor_14 = neg_mul_add(g_after_2, factor_13, g_after_5);
-    factors[18] = factor_14;
-    let factor_15 = mul_sub(g_before_3, factor_6, factor_4 * factor_10);
-    let factor_16 = 1.0 / neg_mul_add(factor_9, factor_13, factor_15);
-    factors[17] = factor_16;
-    let factor_17 = mul_sub(factor_9, factor_12, g_before_5) * factor_16;
+    let factor_14 = mul_sub(g_before_3, factor_4, factor_7 * factor_9);
+    let factor_15 = 1.0 / neg_mul_add(factor_11, factor_13, factor_14);
+    factors[17] = factor_15;
+    let factor_16 = neg_mul_add(g_after_2, factor_13, g_after_5);
+    factors[18] = factor_16;
+    let factor_17 = mul_sub(factor_11, factor_12, g_before_5) * factor_15;
     factors[19] = factor_17;
     let factor_18 = 1.0
-        / neg_mul_add(factor_14, factor_17, mul_add(g_after_2, factor_12, j_8));
+        / neg_mul_add(factor_16, factor_17, mul_add(g_after_2, factor_12, j_8));
     factors[20] = factor_18;
-    let shrinkage_1 = max(max(1.0, abs(j_4 * factor_7)), abs(factor_15 * factor_16));
+    let shrinkage_1 = max(max(1.0, abs(j_4 * factor_5)), abs(factor_14 * factor_15));
     max(shrinkage_1, abs(j_8 * factor_18))
 }
 
@@ -218,25 +218,19 @@ pub fn solve(
     );
     let step_4 = mul_add(step_3_2, factor_19, mul_add(step_2_2, factor_15, r_rocker))
         * factor_20;
-    step[coordinate::ROCKER] = -step_4;
-    let change_1 = mul_add(step_4, factor_18, step_3_2) * factor_17;
-    change[row::PIN_Z] = change_1;
-    let change_2_2 = neg_mul_add(
-        change_1,
-        factor_14,
-        mul_add(step_4, factor_13, step_2_2),
-    ) * factor_12;
-    change[row::PIN_X] = change_2_2;
-    let step_5 = neg_mul_add(
-        change_1,
-        factor_9,
-        neg_mul_add(change_2_2, factor_8, step_1),
-    ) * factor_7;
-    step[coordinate::COUPLER] = step_5;
-    let step_6 = mul_add(
-        change_1,
+    let step_5 = mul_add(step_4, factor_18, step_3_2) * factor_17;
+    let step_6 = neg_mul_add(step_5, factor_14, mul_add(step_4, factor_13, step_2_2))
+        * factor_12;
+    let step_7 = neg_mul_add(step_5, factor_9, neg_mul_add(step_6, factor_8, step_1))
+        * factor_7;
+    let step_8 = mul_add(
+        step_5,
         factor_3,
-        mul_add(change_2_2, factor_2, mul_add(step_5, factor_1, r_crank)),
+        mul_add(step_6, factor_2, mul_add(step_7, factor_1, r_crank)),
     );
-    step[coordinate::CRANK] = -(step_6 * factor_0);
+    step[coordinate::CRANK] = -(step_8 * factor_0);
+    step[coordinate::COUPLER] = step_7;
+    step[coordinate::ROCKER] = -step_4;
+    change[row::PIN_X] = step_6;
+    change[row::PIN_Z] = step_5;
 }

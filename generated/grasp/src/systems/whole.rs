@@ -1622,1867 +1622,2169 @@ pub fn factor(
     let g_after_387 = after[387];
     let g_after_388 = after[388];
     let g_after_389 = after[389];
+    let factor_1 = 1.0 / j_0;
+    factors[0] = factor_1;
     factors[1] = j_1;
     factors[2] = j_2;
     factors[3] = j_3;
-    factors[76] = j_109;
-    factors[77] = j_110;
-    factors[78] = j_111;
-    factors[151] = j_217;
-    factors[152] = j_218;
-    factors[153] = j_219;
-    factors[226] = j_325;
-    factors[227] = j_326;
-    factors[228] = j_327;
-    factors[301] = j_433;
-    factors[302] = j_434;
-    factors[303] = j_435;
     factors[4] = -g_before_0;
+    factors[5] = -g_before_26;
+    let factor_2 = j_26 * factor_1;
+    factors[6] = factor_2;
+    let factor_3 = j_52 * factor_1;
+    factors[7] = factor_3;
+    let factor_4 = j_78 * factor_1;
+    factors[8] = factor_4;
+    let factor_5 = g_after_0 * factor_1;
+    factors[9] = factor_5;
+    let factor_6 = g_after_26 * factor_1;
+    factors[10] = factor_6;
+    let factor_7 = 1.0 / neg_mul_add(j_1, factor_2, j_27);
+    factors[11] = factor_7;
+    let factor_8 = neg_mul_add(j_2, factor_2, j_28);
+    factors[12] = factor_8;
+    let factor_9 = neg_mul_add(j_3, factor_2, j_29);
+    factors[13] = factor_9;
+    let factor_10 = mul_sub(g_before_0, factor_2, g_before_1);
+    factors[14] = factor_10;
+    let factor_11 = mul_sub(g_before_26, factor_2, g_before_27);
+    factors[15] = factor_11;
+    factors[16] = -g_before_53;
+    let factor_12 = neg_mul_add(j_1, factor_3, j_53) * factor_7;
+    factors[17] = factor_12;
+    let factor_13 = neg_mul_add(j_1, factor_4, j_79) * factor_7;
+    factors[18] = factor_13;
+    let factor_14 = neg_mul_add(j_1, factor_5, g_after_1) * factor_7;
+    factors[19] = factor_14;
+    let factor_15 = neg_mul_add(j_1, factor_6, g_after_27) * factor_7;
+    factors[20] = factor_15;
+    let factor_16 = g_after_53 * factor_7;
+    factors[21] = factor_16;
+    let factor_17 = 1.0
+        / neg_mul_add(factor_8, factor_12, neg_mul_add(j_2, factor_3, j_54));
+    factors[22] = factor_17;
+    let factor_18 = neg_mul_add(factor_9, factor_12, neg_mul_add(j_3, factor_3, j_55));
+    factors[23] = factor_18;
+    let factor_19 = neg_mul_add(
+        factor_10,
+        factor_12,
+        mul_sub(g_before_0, factor_3, g_before_2),
+    );
+    factors[24] = factor_19;
+    let factor_20 = neg_mul_add(
+        factor_11,
+        factor_12,
+        mul_sub(g_before_26, factor_3, g_before_28),
+    );
+    factors[25] = factor_20;
+    let factor_21 = mul_sub(g_before_53, factor_12, g_before_54);
+    factors[26] = factor_21;
+    let factor_22 = neg_mul_add(factor_8, factor_13, neg_mul_add(j_2, factor_4, j_80))
+        * factor_17;
+    factors[27] = factor_22;
+    let factor_23 = neg_mul_add(
+        factor_8,
+        factor_14,
+        neg_mul_add(j_2, factor_5, g_after_2),
+    ) * factor_17;
+    factors[28] = factor_23;
+    let factor_24 = neg_mul_add(
+        factor_8,
+        factor_15,
+        neg_mul_add(j_2, factor_6, g_after_28),
+    ) * factor_17;
+    factors[29] = factor_24;
+    let factor_25 = neg_mul_add(factor_8, factor_16, g_after_54) * factor_17;
+    factors[30] = factor_25;
+    let factor_26 = neg_mul_add(
+        factor_18,
+        factor_22,
+        neg_mul_add(factor_9, factor_13, neg_mul_add(j_3, factor_4, j_81)),
+    );
+    let factor_27 = 1.0 / factor_26;
+    factors[31] = factor_27;
+    let factor_28 = neg_mul_add(
+        factor_19,
+        factor_22,
+        neg_mul_add(factor_10, factor_13, mul_sub(g_before_0, factor_4, g_before_3)),
+    );
+    factors[32] = factor_28;
+    let factor_29 = neg_mul_add(
+        factor_20,
+        factor_22,
+        neg_mul_add(factor_11, factor_13, mul_sub(g_before_26, factor_4, g_before_29)),
+    );
+    factors[33] = factor_29;
+    let factor_30 = neg_mul_add(
+        factor_21,
+        factor_22,
+        mul_sub(g_before_53, factor_13, g_before_55),
+    );
+    factors[34] = factor_30;
+    let factor_31 = neg_mul_add(
+        factor_18,
+        factor_23,
+        neg_mul_add(factor_9, factor_14, neg_mul_add(j_3, factor_5, g_after_3)),
+    );
+    let factor_32 = factor_31 * factor_27;
+    factors[35] = factor_32;
+    let factor_33 = neg_mul_add(
+        factor_18,
+        factor_24,
+        neg_mul_add(factor_9, factor_15, neg_mul_add(j_3, factor_6, g_after_29)),
+    );
+    let factor_34 = factor_33 * factor_27;
+    factors[36] = factor_34;
+    let factor_35 = neg_mul_add(
+        factor_18,
+        factor_25,
+        neg_mul_add(factor_9, factor_16, g_after_55),
+    ) * factor_27;
+    factors[37] = factor_35;
+    let factor_36 = neg_mul_add(
+        factor_19,
+        factor_23,
+        mul_sub(g_before_0, factor_5, factor_10 * factor_14),
+    );
+    let factor_37 = 1.0 / neg_mul_add(factor_28, factor_32, factor_36);
+    factors[38] = factor_37;
     factors[39] = g_after_20;
     factors[40] = g_after_24;
     factors[41] = g_after_25;
-    factors[5] = -g_before_26;
+    let factor_38 = neg_mul_add(
+        factor_20,
+        factor_23,
+        mul_sub(g_before_26, factor_5, factor_11 * factor_14),
+    );
+    let factor_39 = neg_mul_add(factor_29, factor_32, factor_38);
+    factors[42] = factor_39;
+    let factor_40 = neg_mul_add(
+        factor_30,
+        factor_32,
+        mul_sub(g_before_53, factor_14, factor_21 * factor_23),
+    );
+    factors[43] = factor_40;
+    let factor_41 = g_before_20 * factor_37;
+    factors[44] = -factor_41;
+    let factor_42 = g_before_24 * factor_37;
+    factors[45] = -factor_42;
+    let factor_43 = g_before_25 * factor_37;
+    factors[46] = -factor_43;
+    let factor_44 = neg_mul_add(
+        factor_19,
+        factor_24,
+        mul_sub(g_before_0, factor_6, factor_10 * factor_15),
+    );
+    let factor_45 = neg_mul_add(factor_28, factor_34, factor_44) * factor_37;
+    factors[47] = factor_45;
+    let factor_46 = mul_add(
+        factor_28,
+        factor_35,
+        mul_add(factor_10, factor_16, factor_19 * factor_25),
+    );
+    let factor_47 = factor_46 * factor_37;
+    factors[48] = -factor_47;
+    let factor_48 = neg_mul_add(
+        factor_20,
+        factor_24,
+        mul_sub(g_before_26, factor_6, factor_11 * factor_15),
+    );
+    let factor_49 = neg_mul_add(factor_29, factor_34, factor_48);
+    let factor_50 = 1.0 / neg_mul_add(factor_39, factor_45, factor_49);
+    factors[49] = factor_50;
+    let factor_51 = g_after_20 * factor_45;
+    factors[50] = -factor_51;
     factors[51] = g_after_47;
     factors[52] = g_after_49;
-    factors[16] = -g_before_53;
+    let factor_52 = neg_mul_add(g_after_24, factor_45, g_after_50);
+    factors[53] = factor_52;
+    let factor_53 = neg_mul_add(g_after_25, factor_45, g_after_51);
+    factors[54] = factor_53;
+    let factor_54 = neg_mul_add(
+        factor_30,
+        factor_34,
+        mul_sub(g_before_53, factor_15, factor_21 * factor_24),
+    );
+    let factor_55 = neg_mul_add(factor_40, factor_45, factor_54);
+    factors[55] = factor_55;
+    let factor_56 = factor_39 * factor_41 * factor_50;
+    factors[56] = factor_56;
+    let factor_57 = g_before_47 * factor_50;
+    factors[57] = -factor_57;
+    let factor_58 = g_before_49 * factor_50;
+    factors[58] = -factor_58;
+    let factor_59 = mul_sub(factor_39, factor_42, g_before_50) * factor_50;
+    factors[59] = factor_59;
+    let factor_60 = mul_sub(factor_39, factor_43, g_before_51) * factor_50;
+    factors[60] = factor_60;
+    let factor_61 = mul_add(
+        factor_29,
+        factor_35,
+        mul_add(factor_11, factor_16, factor_20 * factor_25),
+    );
+    let factor_62 = mul_sub(factor_39, factor_47, factor_61) * factor_50;
+    factors[61] = factor_62;
+    let factor_63 = neg_mul_add(
+        factor_30,
+        factor_35,
+        mul_sub(g_before_53, factor_16, factor_21 * factor_25),
+    );
+    let factor_64 = 1.0
+        / neg_mul_add(factor_55, factor_62, mul_add(factor_40, factor_47, factor_63));
+    factors[62] = factor_64;
+    let factor_65 = mul_add(g_after_20, factor_47, factor_51 * factor_62);
+    factors[63] = factor_65;
+    let factor_66 = g_after_47 * factor_62;
+    factors[64] = -factor_66;
     factors[65] = g_after_74;
+    let factor_67 = neg_mul_add(g_after_49, factor_62, g_after_75);
+    factors[66] = factor_67;
+    let factor_68 = neg_mul_add(
+        factor_52,
+        factor_62,
+        mul_add(g_after_24, factor_47, g_after_76),
+    );
+    factors[67] = factor_68;
+    let factor_69 = neg_mul_add(
+        factor_53,
+        factor_62,
+        mul_add(g_after_25, factor_47, g_after_77),
+    );
+    factors[68] = factor_69;
+    let factor_70 = mul_sub(factor_40, factor_41, factor_55 * factor_56) * factor_64;
+    factors[69] = factor_70;
+    let factor_71 = factor_55 * factor_57 * factor_64;
+    factors[70] = factor_71;
+    let factor_72 = g_before_74 * factor_64;
+    factors[71] = -factor_72;
+    let factor_73 = mul_sub(factor_55, factor_58, g_before_75) * factor_64;
+    factors[72] = factor_73;
+    let factor_74 = neg_mul_add(
+        factor_55,
+        factor_59,
+        mul_sub(factor_40, factor_42, g_before_76),
+    ) * factor_64;
+    factors[73] = factor_74;
+    let factor_75 = neg_mul_add(
+        factor_55,
+        factor_60,
+        mul_sub(factor_40, factor_43, g_before_77),
+    ) * factor_64;
+    factors[74] = factor_75;
+    let factor_76 = 1.0 / j_108;
+    factors[75] = factor_76;
+    factors[76] = j_109;
+    factors[77] = j_110;
+    factors[78] = j_111;
     factors[79] = -g_before_82;
+    factors[80] = -g_before_108;
+    let factor_77 = j_134 * factor_76;
+    factors[81] = factor_77;
+    let factor_78 = j_160 * factor_76;
+    factors[82] = factor_78;
+    let factor_79 = j_186 * factor_76;
+    factors[83] = factor_79;
+    let factor_80 = g_after_82 * factor_76;
+    factors[84] = factor_80;
+    let factor_81 = g_after_108 * factor_76;
+    factors[85] = factor_81;
+    let factor_82 = 1.0 / neg_mul_add(j_109, factor_77, j_135);
+    factors[86] = factor_82;
+    let factor_83 = neg_mul_add(j_110, factor_77, j_136);
+    factors[87] = factor_83;
+    let factor_84 = neg_mul_add(j_111, factor_77, j_137);
+    factors[88] = factor_84;
+    let factor_85 = mul_sub(g_before_82, factor_77, g_before_83);
+    factors[89] = factor_85;
+    let factor_86 = mul_sub(g_before_108, factor_77, g_before_109);
+    factors[90] = factor_86;
+    factors[91] = -g_before_135;
+    let factor_87 = neg_mul_add(j_109, factor_78, j_161) * factor_82;
+    factors[92] = factor_87;
+    let factor_88 = neg_mul_add(j_109, factor_79, j_187) * factor_82;
+    factors[93] = factor_88;
+    let factor_89 = neg_mul_add(j_109, factor_80, g_after_83) * factor_82;
+    factors[94] = factor_89;
+    let factor_90 = neg_mul_add(j_109, factor_81, g_after_109) * factor_82;
+    factors[95] = factor_90;
+    let factor_91 = g_after_135 * factor_82;
+    factors[96] = factor_91;
+    let factor_92 = 1.0
+        / neg_mul_add(factor_83, factor_87, neg_mul_add(j_110, factor_78, j_162));
+    factors[97] = factor_92;
+    let factor_93 = neg_mul_add(
+        factor_84,
+        factor_87,
+        neg_mul_add(j_111, factor_78, j_163),
+    );
+    factors[98] = factor_93;
+    let factor_94 = neg_mul_add(
+        factor_85,
+        factor_87,
+        mul_sub(g_before_82, factor_78, g_before_84),
+    );
+    factors[99] = factor_94;
+    let factor_95 = neg_mul_add(
+        factor_86,
+        factor_87,
+        mul_sub(g_before_108, factor_78, g_before_110),
+    );
+    factors[100] = factor_95;
+    let factor_96 = mul_sub(g_before_135, factor_87, g_before_136);
+    factors[101] = factor_96;
+    let factor_97 = neg_mul_add(
+        factor_83,
+        factor_88,
+        neg_mul_add(j_110, factor_79, j_188),
+    ) * factor_92;
+    factors[102] = factor_97;
+    let factor_98 = neg_mul_add(
+        factor_83,
+        factor_89,
+        neg_mul_add(j_110, factor_80, g_after_84),
+    ) * factor_92;
+    factors[103] = factor_98;
+    let factor_99 = neg_mul_add(
+        factor_83,
+        factor_90,
+        neg_mul_add(j_110, factor_81, g_after_110),
+    ) * factor_92;
+    factors[104] = factor_99;
+    let factor_100 = neg_mul_add(factor_83, factor_91, g_after_136) * factor_92;
+    factors[105] = factor_100;
+    let factor_101 = neg_mul_add(
+        factor_93,
+        factor_97,
+        neg_mul_add(factor_84, factor_88, neg_mul_add(j_111, factor_79, j_189)),
+    );
+    let factor_102 = 1.0 / factor_101;
+    factors[106] = factor_102;
+    let factor_103 = neg_mul_add(
+        factor_94,
+        factor_97,
+        neg_mul_add(factor_85, factor_88, mul_sub(g_before_82, factor_79, g_before_85)),
+    );
+    factors[107] = factor_103;
+    let factor_104 = neg_mul_add(
+        factor_95,
+        factor_97,
+        neg_mul_add(factor_86, factor_88, mul_sub(g_before_108, factor_79, g_before_111)),
+    );
+    factors[108] = factor_104;
+    let factor_105 = neg_mul_add(
+        factor_96,
+        factor_97,
+        mul_sub(g_before_135, factor_88, g_before_137),
+    );
+    factors[109] = factor_105;
+    let factor_106 = neg_mul_add(
+        factor_93,
+        factor_98,
+        neg_mul_add(factor_84, factor_89, neg_mul_add(j_111, factor_80, g_after_85)),
+    );
+    let factor_107 = factor_106 * factor_102;
+    factors[110] = factor_107;
+    let factor_108 = neg_mul_add(
+        factor_93,
+        factor_99,
+        neg_mul_add(factor_84, factor_90, neg_mul_add(j_111, factor_81, g_after_111)),
+    );
+    let factor_109 = factor_108 * factor_102;
+    factors[111] = factor_109;
+    let factor_110 = neg_mul_add(
+        factor_93,
+        factor_100,
+        neg_mul_add(factor_84, factor_91, g_after_137),
+    ) * factor_102;
+    factors[112] = factor_110;
+    let factor_111 = neg_mul_add(
+        factor_94,
+        factor_98,
+        mul_sub(g_before_82, factor_80, factor_85 * factor_89),
+    );
+    let factor_112 = 1.0 / neg_mul_add(factor_103, factor_107, factor_111);
+    factors[113] = factor_112;
     factors[114] = g_after_98;
     factors[115] = g_after_102;
     factors[116] = g_after_103;
-    factors[80] = -g_before_108;
+    let factor_113 = neg_mul_add(
+        factor_95,
+        factor_98,
+        mul_sub(g_before_108, factor_80, factor_86 * factor_89),
+    );
+    let factor_114 = neg_mul_add(factor_104, factor_107, factor_113);
+    factors[117] = factor_114;
+    let factor_115 = neg_mul_add(
+        factor_105,
+        factor_107,
+        mul_sub(g_before_135, factor_89, factor_96 * factor_98),
+    );
+    factors[118] = factor_115;
+    let factor_116 = g_before_98 * factor_112;
+    factors[119] = -factor_116;
+    let factor_117 = g_before_102 * factor_112;
+    factors[120] = -factor_117;
+    let factor_118 = g_before_103 * factor_112;
+    factors[121] = -factor_118;
+    let factor_119 = neg_mul_add(
+        factor_94,
+        factor_99,
+        mul_sub(g_before_82, factor_81, factor_85 * factor_90),
+    );
+    let factor_120 = neg_mul_add(factor_103, factor_109, factor_119) * factor_112;
+    factors[122] = factor_120;
+    let factor_121 = mul_add(
+        factor_103,
+        factor_110,
+        mul_add(factor_85, factor_91, factor_94 * factor_100),
+    );
+    let factor_122 = factor_121 * factor_112;
+    factors[123] = -factor_122;
+    let factor_123 = neg_mul_add(
+        factor_95,
+        factor_99,
+        mul_sub(g_before_108, factor_81, factor_86 * factor_90),
+    );
+    let factor_124 = neg_mul_add(factor_104, factor_109, factor_123);
+    let factor_125 = 1.0 / neg_mul_add(factor_114, factor_120, factor_124);
+    factors[124] = factor_125;
+    let factor_126 = g_after_98 * factor_120;
+    factors[125] = -factor_126;
     factors[126] = g_after_125;
     factors[127] = g_after_127;
-    factors[91] = -g_before_135;
+    let factor_127 = neg_mul_add(g_after_102, factor_120, g_after_128);
+    factors[128] = factor_127;
+    let factor_128 = neg_mul_add(g_after_103, factor_120, g_after_129);
+    factors[129] = factor_128;
+    let factor_129 = neg_mul_add(
+        factor_105,
+        factor_109,
+        mul_sub(g_before_135, factor_90, factor_96 * factor_99),
+    );
+    let factor_130 = neg_mul_add(factor_115, factor_120, factor_129);
+    factors[130] = factor_130;
+    let factor_131 = factor_114 * factor_116 * factor_125;
+    factors[131] = factor_131;
+    let factor_132 = g_before_125 * factor_125;
+    factors[132] = -factor_132;
+    let factor_133 = g_before_127 * factor_125;
+    factors[133] = -factor_133;
+    let factor_134 = mul_sub(factor_114, factor_117, g_before_128) * factor_125;
+    factors[134] = factor_134;
+    let factor_135 = mul_sub(factor_114, factor_118, g_before_129) * factor_125;
+    factors[135] = factor_135;
+    let factor_136 = mul_add(
+        factor_104,
+        factor_110,
+        mul_add(factor_86, factor_91, factor_95 * factor_100),
+    );
+    let factor_137 = mul_sub(factor_114, factor_122, factor_136) * factor_125;
+    factors[136] = factor_137;
+    let factor_138 = neg_mul_add(
+        factor_105,
+        factor_110,
+        mul_sub(g_before_135, factor_91, factor_96 * factor_100),
+    );
+    let factor_139 = 1.0
+        / neg_mul_add(
+            factor_130,
+            factor_137,
+            mul_add(factor_115, factor_122, factor_138),
+        );
+    factors[137] = factor_139;
+    let factor_140 = mul_add(g_after_98, factor_122, factor_126 * factor_137);
+    factors[138] = factor_140;
+    let factor_141 = g_after_125 * factor_137;
+    factors[139] = -factor_141;
     factors[140] = g_after_152;
+    let factor_142 = neg_mul_add(g_after_127, factor_137, g_after_153);
+    factors[141] = factor_142;
+    let factor_143 = neg_mul_add(
+        factor_127,
+        factor_137,
+        mul_add(g_after_102, factor_122, g_after_154),
+    );
+    factors[142] = factor_143;
+    let factor_144 = neg_mul_add(
+        factor_128,
+        factor_137,
+        mul_add(g_after_103, factor_122, g_after_155),
+    );
+    factors[143] = factor_144;
+    let factor_145 = mul_sub(factor_115, factor_116, factor_130 * factor_131)
+        * factor_139;
+    factors[144] = factor_145;
+    let factor_146 = factor_130 * factor_132 * factor_139;
+    factors[145] = factor_146;
+    let factor_147 = g_before_152 * factor_139;
+    factors[146] = -factor_147;
+    let factor_148 = mul_sub(factor_130, factor_133, g_before_153) * factor_139;
+    factors[147] = factor_148;
+    let factor_149 = neg_mul_add(
+        factor_130,
+        factor_134,
+        mul_sub(factor_115, factor_117, g_before_154),
+    ) * factor_139;
+    factors[148] = factor_149;
+    let factor_150 = neg_mul_add(
+        factor_130,
+        factor_135,
+        mul_sub(factor_115, factor_118, g_before_155),
+    ) * factor_139;
+    factors[149] = factor_150;
+    let factor_151 = 1.0 / j_216;
+    factors[150] = factor_151;
+    factors[151] = j_217;
+    factors[152] = j_218;
+    factors[153] = j_219;
     factors[154] = -g_before_164;
+    factors[155] = -g_before_190;
+    let factor_152 = j_242 * factor_151;
+    factors[156] = factor_152;
+    let factor_153 = j_268 * factor_151;
+    factors[157] = factor_153;
+    let factor_154 = j_294 * factor_151;
+    factors[158] = factor_154;
+    let factor_155 = g_after_164 * factor_151;
+    factors[159] = factor_155;
+    let factor_156 = g_after_190 * factor_151;
+    factors[160] = factor_156;
+    let factor_157 = 1.0 / neg_mul_add(j_217, factor_152, j_243);
+    factors[161] = factor_157;
+    let factor_158 = neg_mul_add(j_218, factor_152, j_244);
+    factors[162] = factor_158;
+    let factor_159 = neg_mul_add(j_219, factor_152, j_245);
+    factors[163] = factor_159;
+    let factor_160 = mul_sub(g_before_164, factor_152, g_before_165);
+    factors[164] = factor_160;
+    let factor_161 = mul_sub(g_before_190, factor_152, g_before_191);
+    factors[165] = factor_161;
+    factors[166] = -g_before_217;
+    let factor_162 = neg_mul_add(j_217, factor_153, j_269) * factor_157;
+    factors[167] = factor_162;
+    let factor_163 = neg_mul_add(j_217, factor_154, j_295) * factor_157;
+    factors[168] = factor_163;
+    let factor_164 = neg_mul_add(j_217, factor_155, g_after_165) * factor_157;
+    factors[169] = factor_164;
+    let factor_165 = neg_mul_add(j_217, factor_156, g_after_191) * factor_157;
+    factors[170] = factor_165;
+    let factor_166 = g_after_217 * factor_157;
+    factors[171] = factor_166;
+    let factor_167 = 1.0
+        / neg_mul_add(factor_158, factor_162, neg_mul_add(j_218, factor_153, j_270));
+    factors[172] = factor_167;
+    let factor_168 = neg_mul_add(
+        factor_159,
+        factor_162,
+        neg_mul_add(j_219, factor_153, j_271),
+    );
+    factors[173] = factor_168;
+    let factor_169 = neg_mul_add(
+        factor_160,
+        factor_162,
+        mul_sub(g_before_164, factor_153, g_before_166),
+    );
+    factors[174] = factor_169;
+    let factor_170 = neg_mul_add(
+        factor_161,
+        factor_162,
+        mul_sub(g_before_190, factor_153, g_before_192),
+    );
+    factors[175] = factor_170;
+    let factor_171 = mul_sub(g_before_217, factor_162, g_before_218);
+    factors[176] = factor_171;
+    let factor_172 = neg_mul_add(
+        factor_158,
+        factor_163,
+        neg_mul_add(j_218, factor_154, j_296),
+    ) * factor_167;
+    factors[177] = factor_172;
+    let factor_173 = neg_mul_add(
+        factor_158,
+        factor_164,
+        neg_mul_add(j_218, factor_155, g_after_166),
+    ) * factor_167;
+    factors[178] = factor_173;
+    let factor_174 = neg_mul_add(
+        factor_158,
+        factor_165,
+        neg_mul_add(j_218, factor_156, g_after_192),
+    ) * factor_167;
+    factors[179] = factor_174;
+    let factor_175 = neg_mul_add(factor_158, factor_166, g_after_218) * factor_167;
+    factors[180] = factor_175;
+    let factor_176 = neg_mul_add(
+        factor_168,
+        factor_172,
+        neg_mul_add(factor_159, factor_163, neg_mul_add(j_219, factor_154, j_297)),
+    );
+    let factor_177 = 1.0 / factor_176;
+    factors[181] = factor_177;
+    let factor_178 = neg_mul_add(
+        factor_169,
+        factor_172,
+        neg_mul_add(
+            factor_160,
+            factor_163,
+            mul_sub(g_before_164, factor_154, g_before_167),
+        ),
+    );
+    factors[182] = factor_178;
+    let factor_179 = neg_mul_add(
+        factor_170,
+        factor_172,
+        neg_mul_add(
+            factor_161,
+            factor_163,
+            mul_sub(g_before_190, factor_154, g_before_193),
+        ),
+    );
+    factors[183] = factor_179;
+    let factor_180 = neg_mul_add(
+        factor_171,
+        factor_172,
+        mul_sub(g_before_217, factor_163, g_before_219),
+    );
+    factors[184] = factor_180;
+    let factor_181 = neg_mul_add(
+        factor_168,
+        factor_173,
+        neg_mul_add(factor_159, factor_164, neg_mul_add(j_219, factor_155, g_after_167)),
+    );
+    let factor_182 = factor_181 * factor_177;
+    factors[185] = factor_182;
+    let factor_183 = neg_mul_add(
+        factor_168,
+        factor_174,
+        neg_mul_add(factor_159, factor_165, neg_mul_add(j_219, factor_156, g_after_193)),
+    );
+    let factor_184 = factor_183 * factor_177;
+    factors[186] = factor_184;
+    let factor_185 = neg_mul_add(
+        factor_168,
+        factor_175,
+        neg_mul_add(factor_159, factor_166, g_after_219),
+    ) * factor_177;
+    factors[187] = factor_185;
+    let factor_186 = neg_mul_add(
+        factor_169,
+        factor_173,
+        mul_sub(g_before_164, factor_155, factor_160 * factor_164),
+    );
+    let factor_187 = 1.0 / neg_mul_add(factor_178, factor_182, factor_186);
+    factors[188] = factor_187;
     factors[189] = g_after_176;
     factors[190] = g_after_180;
     factors[191] = g_after_181;
-    factors[155] = -g_before_190;
+    let factor_188 = neg_mul_add(
+        factor_170,
+        factor_173,
+        mul_sub(g_before_190, factor_155, factor_161 * factor_164),
+    );
+    let factor_189 = neg_mul_add(factor_179, factor_182, factor_188);
+    factors[192] = factor_189;
+    let factor_190 = neg_mul_add(
+        factor_180,
+        factor_182,
+        mul_sub(g_before_217, factor_164, factor_171 * factor_173),
+    );
+    factors[193] = factor_190;
+    let factor_191 = g_before_176 * factor_187;
+    factors[194] = -factor_191;
+    let factor_192 = g_before_180 * factor_187;
+    factors[195] = -factor_192;
+    let factor_193 = g_before_181 * factor_187;
+    factors[196] = -factor_193;
+    let factor_194 = neg_mul_add(
+        factor_169,
+        factor_174,
+        mul_sub(g_before_164, factor_156, factor_160 * factor_165),
+    );
+    let factor_195 = neg_mul_add(factor_178, factor_184, factor_194) * factor_187;
+    factors[197] = factor_195;
+    let factor_196 = mul_add(
+        factor_178,
+        factor_185,
+        mul_add(factor_160, factor_166, factor_169 * factor_175),
+    );
+    let factor_197 = factor_196 * factor_187;
+    factors[198] = -factor_197;
+    let factor_198 = neg_mul_add(
+        factor_170,
+        factor_174,
+        mul_sub(g_before_190, factor_156, factor_161 * factor_165),
+    );
+    let factor_199 = neg_mul_add(factor_179, factor_184, factor_198);
+    let factor_200 = 1.0 / neg_mul_add(factor_189, factor_195, factor_199);
+    factors[199] = factor_200;
+    let factor_201 = g_after_176 * factor_195;
+    factors[200] = -factor_201;
     factors[201] = g_after_203;
     factors[202] = g_after_205;
-    factors[166] = -g_before_217;
+    let factor_202 = neg_mul_add(g_after_180, factor_195, g_after_206);
+    factors[203] = factor_202;
+    let factor_203 = neg_mul_add(g_after_181, factor_195, g_after_207);
+    factors[204] = factor_203;
+    let factor_204 = neg_mul_add(
+        factor_180,
+        factor_184,
+        mul_sub(g_before_217, factor_165, factor_171 * factor_174),
+    );
+    let factor_205 = neg_mul_add(factor_190, factor_195, factor_204);
+    factors[205] = factor_205;
+    let factor_206 = factor_189 * factor_191 * factor_200;
+    factors[206] = factor_206;
+    let factor_207 = g_before_203 * factor_200;
+    factors[207] = -factor_207;
+    let factor_208 = g_before_205 * factor_200;
+    factors[208] = -factor_208;
+    let factor_209 = mul_sub(factor_189, factor_192, g_before_206) * factor_200;
+    factors[209] = factor_209;
+    let factor_210 = mul_sub(factor_189, factor_193, g_before_207) * factor_200;
+    factors[210] = factor_210;
+    let factor_211 = mul_add(
+        factor_179,
+        factor_185,
+        mul_add(factor_161, factor_166, factor_170 * factor_175),
+    );
+    let factor_212 = mul_sub(factor_189, factor_197, factor_211) * factor_200;
+    factors[211] = factor_212;
+    let factor_213 = neg_mul_add(
+        factor_180,
+        factor_185,
+        mul_sub(g_before_217, factor_166, factor_171 * factor_175),
+    );
+    let factor_214 = 1.0
+        / neg_mul_add(
+            factor_205,
+            factor_212,
+            mul_add(factor_190, factor_197, factor_213),
+        );
+    factors[212] = factor_214;
+    let factor_215 = mul_add(g_after_176, factor_197, factor_201 * factor_212);
+    factors[213] = factor_215;
+    let factor_216 = g_after_203 * factor_212;
+    factors[214] = -factor_216;
     factors[215] = g_after_230;
+    let factor_217 = neg_mul_add(g_after_205, factor_212, g_after_231);
+    factors[216] = factor_217;
+    let factor_218 = neg_mul_add(
+        factor_202,
+        factor_212,
+        mul_add(g_after_180, factor_197, g_after_232),
+    );
+    factors[217] = factor_218;
+    let factor_219 = neg_mul_add(
+        factor_203,
+        factor_212,
+        mul_add(g_after_181, factor_197, g_after_233),
+    );
+    factors[218] = factor_219;
+    let factor_220 = mul_sub(factor_190, factor_191, factor_205 * factor_206)
+        * factor_214;
+    factors[219] = factor_220;
+    let factor_221 = factor_205 * factor_207 * factor_214;
+    factors[220] = factor_221;
+    let factor_222 = g_before_230 * factor_214;
+    factors[221] = -factor_222;
+    let factor_223 = mul_sub(factor_205, factor_208, g_before_231) * factor_214;
+    factors[222] = factor_223;
+    let factor_224 = neg_mul_add(
+        factor_205,
+        factor_209,
+        mul_sub(factor_190, factor_192, g_before_232),
+    ) * factor_214;
+    factors[223] = factor_224;
+    let factor_225 = neg_mul_add(
+        factor_205,
+        factor_210,
+        mul_sub(factor_190, factor_193, g_before_233),
+    ) * factor_214;
+    factors[224] = factor_225;
+    let factor_226 = 1.0 / j_324;
+    factors[225] = factor_226;
+    factors[226] = j_325;
+    factors[227] = j_326;
+    factors[228] = j_327;
     factors[229] = -g_before_246;
+    factors[230] = -g_before_272;
+    let factor_227 = j_350 * factor_226;
+    factors[231] = factor_227;
+    let factor_228 = j_376 * factor_226;
+    factors[232] = factor_228;
+    let factor_229 = j_402 * factor_226;
+    factors[233] = factor_229;
+    let factor_230 = g_after_246 * factor_226;
+    factors[234] = factor_230;
+    let factor_231 = g_after_272 * factor_226;
+    factors[235] = factor_231;
+    let factor_232 = 1.0 / neg_mul_add(j_325, factor_227, j_351);
+    factors[236] = factor_232;
+    let factor_233 = neg_mul_add(j_326, factor_227, j_352);
+    factors[237] = factor_233;
+    let factor_234 = neg_mul_add(j_327, factor_227, j_353);
+    factors[238] = factor_234;
+    let factor_235 = mul_sub(g_before_246, factor_227, g_before_247);
+    factors[239] = factor_235;
+    let factor_236 = mul_sub(g_before_272, factor_227, g_before_273);
+    factors[240] = factor_236;
+    factors[241] = -g_before_299;
+    let factor_237 = neg_mul_add(j_325, factor_228, j_377) * factor_232;
+    factors[242] = factor_237;
+    let factor_238 = neg_mul_add(j_325, factor_229, j_403) * factor_232;
+    factors[243] = factor_238;
+    let factor_239 = neg_mul_add(j_325, factor_230, g_after_247) * factor_232;
+    factors[244] = factor_239;
+    let factor_240 = neg_mul_add(j_325, factor_231, g_after_273) * factor_232;
+    factors[245] = factor_240;
+    let factor_241 = g_after_299 * factor_232;
+    factors[246] = factor_241;
+    let factor_242 = 1.0
+        / neg_mul_add(factor_233, factor_237, neg_mul_add(j_326, factor_228, j_378));
+    factors[247] = factor_242;
+    let factor_243 = neg_mul_add(
+        factor_234,
+        factor_237,
+        neg_mul_add(j_327, factor_228, j_379),
+    );
+    factors[248] = factor_243;
+    let factor_244 = neg_mul_add(
+        factor_235,
+        factor_237,
+        mul_sub(g_before_246, factor_228, g_before_248),
+    );
+    factors[249] = factor_244;
+    let factor_245 = neg_mul_add(
+        factor_236,
+        factor_237,
+        mul_sub(g_before_272, factor_228, g_before_274),
+    );
+    factors[250] = factor_245;
+    let factor_246 = mul_sub(g_before_299, factor_237, g_before_300);
+    factors[251] = factor_246;
+    let factor_247 = neg_mul_add(
+        factor_233,
+        factor_238,
+        neg_mul_add(j_326, factor_229, j_404),
+    ) * factor_242;
+    factors[252] = factor_247;
+    let factor_248 = neg_mul_add(
+        factor_233,
+        factor_239,
+        neg_mul_add(j_326, factor_230, g_after_248),
+    ) * factor_242;
+    factors[253] = factor_248;
+    let factor_249 = neg_mul_add(
+        factor_233,
+        factor_240,
+        neg_mul_add(j_326, factor_231, g_after_274),
+    ) * factor_242;
+    factors[254] = factor_249;
+    let factor_250 = neg_mul_add(factor_233, factor_241, g_after_300) * factor_242;
+    factors[255] = factor_250;
+    let factor_251 = neg_mul_add(
+        factor_243,
+        factor_247,
+        neg_mul_add(factor_234, factor_238, neg_mul_add(j_327, factor_229, j_405)),
+    );
+    let factor_252 = 1.0 / factor_251;
+    factors[256] = factor_252;
+    let factor_253 = neg_mul_add(
+        factor_244,
+        factor_247,
+        neg_mul_add(
+            factor_235,
+            factor_238,
+            mul_sub(g_before_246, factor_229, g_before_249),
+        ),
+    );
+    factors[257] = factor_253;
+    let factor_254 = neg_mul_add(
+        factor_245,
+        factor_247,
+        neg_mul_add(
+            factor_236,
+            factor_238,
+            mul_sub(g_before_272, factor_229, g_before_275),
+        ),
+    );
+    factors[258] = factor_254;
+    let factor_255 = neg_mul_add(
+        factor_246,
+        factor_247,
+        mul_sub(g_before_299, factor_238, g_before_301),
+    );
+    factors[259] = factor_255;
+    let factor_256 = neg_mul_add(
+        factor_243,
+        factor_248,
+        neg_mul_add(factor_234, factor_239, neg_mul_add(j_327, factor_230, g_after_249)),
+    );
+    let factor_257 = factor_256 * factor_252;
+    factors[260] = factor_257;
+    let factor_258 = neg_mul_add(
+        factor_243,
+        factor_249,
+        neg_mul_add(factor_234, factor_240, neg_mul_add(j_327, factor_231, g_after_275)),
+    );
+    let factor_259 = factor_258 * factor_252;
+    factors[261] = factor_259;
+    let factor_260 = neg_mul_add(
+        factor_243,
+        factor_250,
+        neg_mul_add(factor_234, factor_241, g_after_301),
+    ) * factor_252;
+    factors[262] = factor_260;
+    let factor_261 = neg_mul_add(
+        factor_244,
+        factor_248,
+        mul_sub(g_before_246, factor_230, factor_235 * factor_239),
+    );
+    let factor_262 = 1.0 / neg_mul_add(factor_253, factor_257, factor_261);
+    factors[263] = factor_262;
     factors[264] = g_after_254;
     factors[265] = g_after_258;
     factors[266] = g_after_259;
-    factors[230] = -g_before_272;
+    let factor_263 = neg_mul_add(
+        factor_245,
+        factor_248,
+        mul_sub(g_before_272, factor_230, factor_236 * factor_239),
+    );
+    let factor_264 = neg_mul_add(factor_254, factor_257, factor_263);
+    factors[267] = factor_264;
+    let factor_265 = neg_mul_add(
+        factor_255,
+        factor_257,
+        mul_sub(g_before_299, factor_239, factor_246 * factor_248),
+    );
+    factors[268] = factor_265;
+    let factor_266 = g_before_254 * factor_262;
+    factors[269] = -factor_266;
+    let factor_267 = g_before_258 * factor_262;
+    factors[270] = -factor_267;
+    let factor_268 = g_before_259 * factor_262;
+    factors[271] = -factor_268;
+    let factor_269 = neg_mul_add(
+        factor_244,
+        factor_249,
+        mul_sub(g_before_246, factor_231, factor_235 * factor_240),
+    );
+    let factor_270 = neg_mul_add(factor_253, factor_259, factor_269) * factor_262;
+    factors[272] = factor_270;
+    let factor_271 = mul_add(
+        factor_253,
+        factor_260,
+        mul_add(factor_235, factor_241, factor_244 * factor_250),
+    );
+    let factor_272 = factor_271 * factor_262;
+    factors[273] = -factor_272;
+    let factor_273 = neg_mul_add(
+        factor_245,
+        factor_249,
+        mul_sub(g_before_272, factor_231, factor_236 * factor_240),
+    );
+    let factor_274 = neg_mul_add(factor_254, factor_259, factor_273);
+    let factor_275 = 1.0 / neg_mul_add(factor_264, factor_270, factor_274);
+    factors[274] = factor_275;
+    let factor_276 = g_after_254 * factor_270;
+    factors[275] = -factor_276;
     factors[276] = g_after_281;
     factors[277] = g_after_283;
-    factors[241] = -g_before_299;
+    let factor_277 = neg_mul_add(g_after_258, factor_270, g_after_284);
+    factors[278] = factor_277;
+    let factor_278 = neg_mul_add(g_after_259, factor_270, g_after_285);
+    factors[279] = factor_278;
+    let factor_279 = neg_mul_add(
+        factor_255,
+        factor_259,
+        mul_sub(g_before_299, factor_240, factor_246 * factor_249),
+    );
+    let factor_280 = neg_mul_add(factor_265, factor_270, factor_279);
+    factors[280] = factor_280;
+    let factor_281 = factor_264 * factor_266 * factor_275;
+    factors[281] = factor_281;
+    let factor_282 = g_before_281 * factor_275;
+    factors[282] = -factor_282;
+    let factor_283 = g_before_283 * factor_275;
+    factors[283] = -factor_283;
+    let factor_284 = mul_sub(factor_264, factor_267, g_before_284) * factor_275;
+    factors[284] = factor_284;
+    let factor_285 = mul_sub(factor_264, factor_268, g_before_285) * factor_275;
+    factors[285] = factor_285;
+    let factor_286 = mul_add(
+        factor_254,
+        factor_260,
+        mul_add(factor_236, factor_241, factor_245 * factor_250),
+    );
+    let factor_287 = mul_sub(factor_264, factor_272, factor_286) * factor_275;
+    factors[286] = factor_287;
+    let factor_288 = neg_mul_add(
+        factor_255,
+        factor_260,
+        mul_sub(g_before_299, factor_241, factor_246 * factor_250),
+    );
+    let factor_289 = 1.0
+        / neg_mul_add(
+            factor_280,
+            factor_287,
+            mul_add(factor_265, factor_272, factor_288),
+        );
+    factors[287] = factor_289;
+    let factor_290 = mul_add(g_after_254, factor_272, factor_276 * factor_287);
+    factors[288] = factor_290;
+    let factor_291 = g_after_281 * factor_287;
+    factors[289] = -factor_291;
     factors[290] = g_after_308;
+    let factor_292 = neg_mul_add(g_after_283, factor_287, g_after_309);
+    factors[291] = factor_292;
+    let factor_293 = neg_mul_add(
+        factor_277,
+        factor_287,
+        mul_add(g_after_258, factor_272, g_after_310),
+    );
+    factors[292] = factor_293;
+    let factor_294 = neg_mul_add(
+        factor_278,
+        factor_287,
+        mul_add(g_after_259, factor_272, g_after_311),
+    );
+    factors[293] = factor_294;
+    let factor_295 = mul_sub(factor_265, factor_266, factor_280 * factor_281)
+        * factor_289;
+    factors[294] = factor_295;
+    let factor_296 = factor_280 * factor_282 * factor_289;
+    factors[295] = factor_296;
+    let factor_297 = g_before_308 * factor_289;
+    factors[296] = -factor_297;
+    let factor_298 = mul_sub(factor_280, factor_283, g_before_309) * factor_289;
+    factors[297] = factor_298;
+    let factor_299 = neg_mul_add(
+        factor_280,
+        factor_284,
+        mul_sub(factor_265, factor_267, g_before_310),
+    ) * factor_289;
+    factors[298] = factor_299;
+    let factor_300 = neg_mul_add(
+        factor_280,
+        factor_285,
+        mul_sub(factor_265, factor_268, g_before_311),
+    ) * factor_289;
+    factors[299] = factor_300;
+    let factor_301 = 1.0 / j_432;
+    factors[300] = factor_301;
+    factors[301] = j_433;
+    factors[302] = j_434;
+    factors[303] = j_435;
     factors[304] = -g_before_328;
+    factors[305] = -g_before_354;
+    factors[306] = -g_before_380;
+    let factor_302 = j_458 * factor_301;
+    factors[307] = factor_302;
+    let factor_303 = j_484 * factor_301;
+    factors[308] = factor_303;
+    let factor_304 = j_510 * factor_301;
+    factors[309] = factor_304;
+    let factor_305 = g_after_328 * factor_301;
+    factors[310] = factor_305;
+    let factor_306 = g_after_354 * factor_301;
+    factors[311] = factor_306;
+    let factor_307 = g_after_380 * factor_301;
+    factors[312] = factor_307;
+    let factor_308 = 1.0 / neg_mul_add(j_433, factor_302, j_459);
+    factors[313] = factor_308;
+    let factor_309 = neg_mul_add(j_434, factor_302, j_460);
+    factors[314] = factor_309;
+    let factor_310 = neg_mul_add(j_435, factor_302, j_461);
+    factors[315] = factor_310;
+    let factor_311 = mul_sub(g_before_328, factor_302, g_before_329);
+    factors[316] = factor_311;
+    let factor_312 = mul_sub(g_before_354, factor_302, g_before_355);
+    factors[317] = factor_312;
+    let factor_313 = mul_sub(g_before_380, factor_302, g_before_381);
+    factors[318] = factor_313;
+    let factor_314 = neg_mul_add(j_433, factor_303, j_485) * factor_308;
+    factors[319] = factor_314;
+    let factor_315 = neg_mul_add(j_433, factor_304, j_511) * factor_308;
+    factors[320] = factor_315;
+    let factor_316 = neg_mul_add(j_433, factor_305, g_after_329) * factor_308;
+    factors[321] = factor_316;
+    let factor_317 = neg_mul_add(j_433, factor_306, g_after_355) * factor_308;
+    factors[322] = factor_317;
+    let factor_318 = neg_mul_add(j_433, factor_307, g_after_381) * factor_308;
+    factors[323] = factor_318;
+    let factor_319 = 1.0
+        / neg_mul_add(factor_309, factor_314, neg_mul_add(j_434, factor_303, j_486));
+    factors[324] = factor_319;
+    let factor_320 = neg_mul_add(
+        factor_310,
+        factor_314,
+        neg_mul_add(j_435, factor_303, j_487),
+    );
+    factors[325] = factor_320;
+    let factor_321 = neg_mul_add(
+        factor_311,
+        factor_314,
+        mul_sub(g_before_328, factor_303, g_before_330),
+    );
+    factors[326] = factor_321;
+    let factor_322 = neg_mul_add(
+        factor_312,
+        factor_314,
+        mul_sub(g_before_354, factor_303, g_before_356),
+    );
+    factors[327] = factor_322;
+    let factor_323 = neg_mul_add(
+        factor_313,
+        factor_314,
+        mul_sub(g_before_380, factor_303, g_before_382),
+    );
+    factors[328] = factor_323;
+    let factor_324 = neg_mul_add(
+        factor_309,
+        factor_315,
+        neg_mul_add(j_434, factor_304, j_512),
+    ) * factor_319;
+    factors[329] = factor_324;
+    let factor_325 = neg_mul_add(
+        factor_309,
+        factor_316,
+        neg_mul_add(j_434, factor_305, g_after_330),
+    ) * factor_319;
+    factors[330] = factor_325;
+    let factor_326 = neg_mul_add(
+        factor_309,
+        factor_317,
+        neg_mul_add(j_434, factor_306, g_after_356),
+    ) * factor_319;
+    factors[331] = factor_326;
+    let factor_327 = neg_mul_add(
+        factor_309,
+        factor_318,
+        neg_mul_add(j_434, factor_307, g_after_382),
+    ) * factor_319;
+    factors[332] = factor_327;
+    let factor_328 = neg_mul_add(
+        factor_320,
+        factor_324,
+        neg_mul_add(factor_310, factor_315, neg_mul_add(j_435, factor_304, j_513)),
+    );
+    let factor_329 = 1.0 / factor_328;
+    factors[333] = factor_329;
+    let factor_330 = neg_mul_add(
+        factor_321,
+        factor_324,
+        neg_mul_add(
+            factor_311,
+            factor_315,
+            mul_sub(g_before_328, factor_304, g_before_331),
+        ),
+    );
+    factors[334] = factor_330;
+    let factor_331 = neg_mul_add(
+        factor_322,
+        factor_324,
+        neg_mul_add(
+            factor_312,
+            factor_315,
+            mul_sub(g_before_354, factor_304, g_before_357),
+        ),
+    );
+    factors[335] = factor_331;
+    let factor_332 = neg_mul_add(
+        factor_323,
+        factor_324,
+        neg_mul_add(
+            factor_313,
+            factor_315,
+            mul_sub(g_before_380, factor_304, g_before_383),
+        ),
+    );
+    factors[336] = factor_332;
+    let factor_333 = neg_mul_add(
+        factor_320,
+        factor_325,
+        neg_mul_add(factor_310, factor_316, neg_mul_add(j_435, factor_305, g_after_331)),
+    );
+    let factor_334 = factor_333 * factor_329;
+    factors[337] = factor_334;
+    let factor_335 = neg_mul_add(
+        factor_320,
+        factor_326,
+        neg_mul_add(factor_310, factor_317, neg_mul_add(j_435, factor_306, g_after_357)),
+    );
+    let factor_336 = factor_335 * factor_329;
+    factors[338] = factor_336;
+    let factor_337 = neg_mul_add(
+        factor_320,
+        factor_327,
+        neg_mul_add(factor_310, factor_318, neg_mul_add(j_435, factor_307, g_after_383)),
+    );
+    let factor_338 = factor_337 * factor_329;
+    factors[339] = factor_338;
+    let factor_339 = neg_mul_add(
+        factor_321,
+        factor_325,
+        mul_sub(g_before_328, factor_305, factor_311 * factor_316),
+    );
+    let factor_340 = 1.0 / neg_mul_add(factor_330, factor_334, factor_339);
+    factors[340] = factor_340;
     factors[341] = g_after_332;
     factors[342] = g_after_336;
     factors[343] = g_after_337;
-    factors[305] = -g_before_354;
+    let factor_341 = neg_mul_add(
+        factor_322,
+        factor_325,
+        mul_sub(g_before_354, factor_305, factor_312 * factor_316),
+    );
+    let factor_342 = neg_mul_add(factor_331, factor_334, factor_341);
+    factors[344] = factor_342;
+    let factor_343 = neg_mul_add(
+        factor_323,
+        factor_325,
+        mul_sub(g_before_380, factor_305, factor_313 * factor_316),
+    );
+    let factor_344 = neg_mul_add(factor_332, factor_334, factor_343);
+    factors[345] = factor_344;
+    let factor_345 = g_before_332 * factor_340;
+    factors[346] = -factor_345;
+    let factor_346 = g_before_336 * factor_340;
+    factors[347] = -factor_346;
+    let factor_347 = g_before_337 * factor_340;
+    factors[348] = -factor_347;
+    let factor_348 = neg_mul_add(
+        factor_321,
+        factor_326,
+        mul_sub(g_before_328, factor_306, factor_311 * factor_317),
+    );
+    let factor_349 = neg_mul_add(factor_330, factor_336, factor_348) * factor_340;
+    factors[349] = factor_349;
+    let factor_350 = neg_mul_add(
+        factor_321,
+        factor_327,
+        mul_sub(g_before_328, factor_307, factor_311 * factor_318),
+    );
+    let factor_351 = neg_mul_add(factor_330, factor_338, factor_350) * factor_340;
+    factors[350] = factor_351;
+    let factor_352 = neg_mul_add(
+        factor_322,
+        factor_326,
+        mul_sub(g_before_354, factor_306, factor_312 * factor_317),
+    );
+    let factor_353 = neg_mul_add(factor_331, factor_336, factor_352);
+    let factor_354 = 1.0 / neg_mul_add(factor_342, factor_349, factor_353);
+    factors[351] = factor_354;
+    let factor_355 = g_after_332 * factor_349;
+    factors[352] = -factor_355;
     factors[353] = g_after_359;
     factors[354] = g_after_361;
-    factors[306] = -g_before_380;
-    factors[367] = g_after_386;
-    let factor_1 = 1.0 / j_0;
-    factors[0] = factor_1;
-    let factor_2 = j_26 * factor_1;
-    factors[6] = factor_2;
-    let factor_3 = neg_mul_add(j_2, factor_2, j_28);
-    factors[12] = factor_3;
-    let factor_4 = neg_mul_add(j_3, factor_2, j_29);
-    factors[13] = factor_4;
-    let factor_5 = mul_sub(g_before_0, factor_2, g_before_1);
-    factors[14] = factor_5;
-    let factor_6 = mul_sub(g_before_26, factor_2, g_before_27);
-    factors[15] = factor_6;
-    let factor_7 = j_52 * factor_1;
-    factors[7] = factor_7;
-    let factor_8 = neg_mul_add(j_3, factor_7, j_55);
-    let factor_9 = mul_sub(g_before_0, factor_7, g_before_2);
-    let factor_10 = mul_sub(g_before_26, factor_7, g_before_28);
-    let factor_11 = j_78 * factor_1;
-    factors[8] = factor_11;
-    let factor_12 = mul_sub(g_before_0, factor_11, g_before_3);
-    let factor_13 = mul_sub(g_before_26, factor_11, g_before_29);
-    let factor_14 = g_after_0 * factor_1;
-    factors[9] = factor_14;
-    let factor_15 = g_after_26 * factor_1;
-    factors[10] = factor_15;
-    let factor_16 = 1.0 / neg_mul_add(j_1, factor_2, j_27);
-    factors[11] = factor_16;
-    let factor_17 = neg_mul_add(j_1, factor_7, j_53) * factor_16;
-    factors[17] = factor_17;
-    let factor_18 = neg_mul_add(factor_4, factor_17, factor_8);
-    factors[23] = factor_18;
-    let factor_19 = neg_mul_add(factor_5, factor_17, factor_9);
-    factors[24] = factor_19;
-    let factor_20 = neg_mul_add(factor_6, factor_17, factor_10);
-    factors[25] = factor_20;
-    let factor_21 = mul_sub(g_before_53, factor_17, g_before_54);
-    factors[26] = factor_21;
-    let factor_22 = neg_mul_add(j_1, factor_11, j_79) * factor_16;
-    factors[18] = factor_22;
-    let factor_23 = neg_mul_add(factor_5, factor_22, factor_12);
-    let factor_24 = neg_mul_add(factor_6, factor_22, factor_13);
-    let factor_25 = mul_sub(g_before_53, factor_22, g_before_55);
-    let factor_26 = neg_mul_add(j_1, factor_14, g_after_1) * factor_16;
-    factors[19] = factor_26;
-    let factor_27 = mul_sub(g_before_26, factor_14, factor_6 * factor_26);
-    let factor_28 = neg_mul_add(j_1, factor_15, g_after_27) * factor_16;
-    factors[20] = factor_28;
-    let factor_29 = g_after_53 * factor_16;
-    factors[21] = factor_29;
-    let factor_30 = 1.0
-        / neg_mul_add(factor_3, factor_17, neg_mul_add(j_2, factor_7, j_54));
-    factors[22] = factor_30;
-    let factor_31 = neg_mul_add(factor_3, factor_22, neg_mul_add(j_2, factor_11, j_80))
-        * factor_30;
-    factors[27] = factor_31;
-    let factor_32 = neg_mul_add(factor_19, factor_31, factor_23);
-    factors[32] = factor_32;
-    let factor_33 = neg_mul_add(factor_20, factor_31, factor_24);
-    factors[33] = factor_33;
-    let factor_34 = neg_mul_add(factor_21, factor_31, factor_25);
-    factors[34] = factor_34;
-    let factor_35 = neg_mul_add(
-        factor_3,
-        factor_26,
-        neg_mul_add(j_2, factor_14, g_after_2),
-    ) * factor_30;
-    factors[28] = factor_35;
-    let factor_36 = neg_mul_add(factor_20, factor_35, factor_27);
-    let factor_37 = mul_sub(g_before_53, factor_26, factor_21 * factor_35);
-    let factor_38 = neg_mul_add(
-        factor_3,
-        factor_28,
-        neg_mul_add(j_2, factor_15, g_after_28),
-    ) * factor_30;
-    factors[29] = factor_38;
-    let factor_39 = mul_sub(g_before_53, factor_28, factor_21 * factor_38);
-    let factor_40 = neg_mul_add(factor_3, factor_29, g_after_54) * factor_30;
-    factors[30] = factor_40;
-    let factor_41 = neg_mul_add(
-        factor_18,
-        factor_31,
-        neg_mul_add(factor_4, factor_22, neg_mul_add(j_3, factor_11, j_81)),
+    let factor_356 = neg_mul_add(g_after_336, factor_349, g_after_362);
+    factors[355] = factor_356;
+    let factor_357 = neg_mul_add(g_after_337, factor_349, g_after_363);
+    factors[356] = factor_357;
+    let factor_358 = neg_mul_add(
+        factor_323,
+        factor_326,
+        mul_sub(g_before_380, factor_306, factor_313 * factor_317),
     );
-    let factor_42 = 1.0 / factor_41;
-    factors[31] = factor_42;
-    let factor_43 = neg_mul_add(
-        factor_18,
-        factor_35,
-        neg_mul_add(factor_4, factor_26, neg_mul_add(j_3, factor_14, g_after_3)),
+    let factor_359 = neg_mul_add(
+        factor_344,
+        factor_349,
+        neg_mul_add(factor_332, factor_336, factor_358),
     );
-    let factor_44 = factor_43 * factor_42;
-    factors[35] = factor_44;
-    let factor_45 = neg_mul_add(factor_33, factor_44, factor_36);
-    factors[42] = factor_45;
-    let factor_46 = neg_mul_add(factor_34, factor_44, factor_37);
-    factors[43] = factor_46;
-    let factor_47 = neg_mul_add(
-        factor_18,
-        factor_38,
-        neg_mul_add(factor_4, factor_28, neg_mul_add(j_3, factor_15, g_after_29)),
-    );
-    let factor_48 = factor_47 * factor_42;
-    factors[36] = factor_48;
-    let factor_49 = neg_mul_add(factor_34, factor_48, factor_39);
-    let factor_50 = neg_mul_add(
-        factor_18,
-        factor_40,
-        neg_mul_add(factor_4, factor_29, g_after_55),
-    ) * factor_42;
-    factors[37] = factor_50;
-    let factor_51 = neg_mul_add(
-        factor_19,
-        factor_35,
-        mul_sub(g_before_0, factor_14, factor_5 * factor_26),
-    );
-    let factor_52 = 1.0 / neg_mul_add(factor_32, factor_44, factor_51);
-    factors[38] = factor_52;
-    let factor_53 = g_before_20 * factor_52;
-    factors[44] = -factor_53;
-    let factor_54 = mul_add(g_after_24, factor_53, j_544);
-    let factor_55 = mul_add(g_after_25, factor_53, j_545);
-    let factor_56 = g_before_24 * factor_52;
-    factors[45] = -factor_56;
-    let factor_57 = mul_add(g_after_25, factor_56, j_649);
-    let factor_58 = g_before_25 * factor_52;
-    factors[46] = -factor_58;
-    let factor_59 = neg_mul_add(
-        factor_19,
-        factor_38,
-        mul_sub(g_before_0, factor_15, factor_5 * factor_28),
-    );
-    let factor_60 = neg_mul_add(factor_32, factor_48, factor_59) * factor_52;
-    factors[47] = factor_60;
-    let factor_61 = g_after_20 * factor_60;
-    factors[50] = -factor_61;
-    let factor_62 = neg_mul_add(g_after_24, factor_60, g_after_50);
-    factors[53] = factor_62;
-    let factor_63 = neg_mul_add(g_after_25, factor_60, g_after_51);
-    factors[54] = factor_63;
-    let factor_64 = neg_mul_add(factor_46, factor_60, factor_49);
-    factors[55] = factor_64;
-    let factor_65 = mul_add(
-        factor_32,
-        factor_50,
-        mul_add(factor_5, factor_29, factor_19 * factor_40),
-    );
-    let factor_66 = factor_65 * factor_52;
-    factors[48] = -factor_66;
-    let factor_67 = mul_add(g_after_24, factor_66, g_after_76);
-    let factor_68 = mul_add(g_after_25, factor_66, g_after_77);
-    let factor_69 = neg_mul_add(
-        factor_20,
-        factor_38,
-        mul_sub(g_before_26, factor_15, factor_6 * factor_28),
-    );
-    let factor_70 = neg_mul_add(factor_33, factor_48, factor_69);
-    let factor_71 = 1.0 / neg_mul_add(factor_45, factor_60, factor_70);
-    factors[49] = factor_71;
-    let factor_72 = factor_45 * factor_53 * factor_71;
-    factors[56] = factor_72;
-    let factor_73 = neg_mul_add(factor_62, factor_72, factor_54);
-    let factor_74 = neg_mul_add(factor_63, factor_72, factor_55);
-    let factor_75 = g_before_47 * factor_71;
-    factors[57] = -factor_75;
-    let factor_76 = mul_add(factor_62, factor_75, j_570);
-    let factor_77 = mul_add(factor_63, factor_75, j_571);
-    let factor_78 = g_before_49 * factor_71;
-    factors[58] = -factor_78;
-    let factor_79 = mul_add(factor_62, factor_78, j_622);
-    let factor_80 = mul_add(factor_63, factor_78, j_623);
-    let factor_81 = mul_sub(factor_45, factor_56, g_before_50) * factor_71;
-    factors[59] = factor_81;
-    let factor_82 = neg_mul_add(factor_63, factor_81, factor_57);
-    let factor_83 = mul_sub(factor_45, factor_58, g_before_51) * factor_71;
-    factors[60] = factor_83;
-    let factor_84 = mul_add(
-        factor_33,
-        factor_50,
-        mul_add(factor_6, factor_29, factor_20 * factor_40),
-    );
-    let factor_85 = mul_sub(factor_45, factor_66, factor_84) * factor_71;
-    factors[61] = factor_85;
-    let factor_86 = mul_add(g_after_20, factor_66, factor_61 * factor_85);
-    factors[63] = factor_86;
-    let factor_87 = g_after_47 * factor_85;
-    factors[64] = -factor_87;
-    let factor_88 = neg_mul_add(g_after_49, factor_85, g_after_75);
-    factors[66] = factor_88;
-    let factor_89 = neg_mul_add(factor_62, factor_85, factor_67);
-    factors[67] = factor_89;
-    let factor_90 = neg_mul_add(factor_63, factor_85, factor_68);
-    factors[68] = factor_90;
-    let factor_91 = neg_mul_add(
-        factor_34,
-        factor_50,
-        mul_sub(g_before_53, factor_29, factor_21 * factor_40),
-    );
-    let factor_92 = 1.0
-        / neg_mul_add(factor_64, factor_85, mul_add(factor_46, factor_66, factor_91));
-    factors[62] = factor_92;
-    let factor_93 = mul_sub(factor_46, factor_53, factor_64 * factor_72) * factor_92;
-    factors[69] = factor_93;
-    let factor_94 = neg_mul_add(g_after_47, factor_72, factor_87 * factor_93);
-    let factor_95 = mul_add(g_after_49, factor_72, factor_88 * factor_93);
-    let factor_96 = neg_mul_add(factor_89, factor_93, factor_73);
-    let factor_97 = neg_mul_add(factor_90, factor_93, factor_74);
-    let factor_98 = factor_64 * factor_75 * factor_92;
-    factors[70] = factor_98;
-    let factor_99 = mul_sub(g_after_49, factor_75, factor_88 * factor_98);
-    let factor_100 = neg_mul_add(factor_89, factor_98, factor_76);
-    let factor_101 = neg_mul_add(factor_90, factor_98, factor_77);
-    let factor_102 = g_before_74 * factor_92;
-    factors[71] = -factor_102;
-    let factor_103 = mul_add(factor_89, factor_102, j_596);
-    let factor_104 = mul_add(factor_90, factor_102, j_597);
-    let factor_105 = mul_sub(factor_64, factor_78, g_before_75) * factor_92;
-    factors[72] = factor_105;
-    let factor_106 = neg_mul_add(factor_89, factor_105, factor_79);
-    let factor_107 = neg_mul_add(factor_90, factor_105, factor_80);
-    let factor_108 = neg_mul_add(
-        factor_64,
-        factor_81,
-        mul_sub(factor_46, factor_56, g_before_76),
-    ) * factor_92;
-    factors[73] = factor_108;
-    let factor_109 = neg_mul_add(factor_90, factor_108, factor_82);
-    let factor_110 = neg_mul_add(
-        factor_64,
-        factor_83,
-        mul_sub(factor_46, factor_58, g_before_77),
-    ) * factor_92;
-    factors[74] = factor_110;
-    let factor_111 = 1.0 / j_108;
-    factors[75] = factor_111;
-    let factor_112 = j_134 * factor_111;
-    factors[81] = factor_112;
-    let factor_113 = neg_mul_add(j_110, factor_112, j_136);
-    factors[87] = factor_113;
-    let factor_114 = neg_mul_add(j_111, factor_112, j_137);
-    factors[88] = factor_114;
-    let factor_115 = mul_sub(g_before_82, factor_112, g_before_83);
-    factors[89] = factor_115;
-    let factor_116 = mul_sub(g_before_108, factor_112, g_before_109);
-    factors[90] = factor_116;
-    let factor_117 = j_160 * factor_111;
-    factors[82] = factor_117;
-    let factor_118 = neg_mul_add(j_111, factor_117, j_163);
-    let factor_119 = mul_sub(g_before_82, factor_117, g_before_84);
-    let factor_120 = mul_sub(g_before_108, factor_117, g_before_110);
-    let factor_121 = j_186 * factor_111;
-    factors[83] = factor_121;
-    let factor_122 = mul_sub(g_before_82, factor_121, g_before_85);
-    let factor_123 = mul_sub(g_before_108, factor_121, g_before_111);
-    let factor_124 = g_after_82 * factor_111;
-    factors[84] = factor_124;
-    let factor_125 = g_after_108 * factor_111;
-    factors[85] = factor_125;
-    let factor_126 = 1.0 / neg_mul_add(j_109, factor_112, j_135);
-    factors[86] = factor_126;
-    let factor_127 = neg_mul_add(j_109, factor_117, j_161) * factor_126;
-    factors[92] = factor_127;
-    let factor_128 = neg_mul_add(factor_114, factor_127, factor_118);
-    factors[98] = factor_128;
-    let factor_129 = neg_mul_add(factor_115, factor_127, factor_119);
-    factors[99] = factor_129;
-    let factor_130 = neg_mul_add(factor_116, factor_127, factor_120);
-    factors[100] = factor_130;
-    let factor_131 = mul_sub(g_before_135, factor_127, g_before_136);
-    factors[101] = factor_131;
-    let factor_132 = neg_mul_add(j_109, factor_121, j_187) * factor_126;
-    factors[93] = factor_132;
-    let factor_133 = neg_mul_add(factor_115, factor_132, factor_122);
-    let factor_134 = neg_mul_add(factor_116, factor_132, factor_123);
-    let factor_135 = mul_sub(g_before_135, factor_132, g_before_137);
-    let factor_136 = neg_mul_add(j_109, factor_124, g_after_83) * factor_126;
-    factors[94] = factor_136;
-    let factor_137 = mul_sub(g_before_108, factor_124, factor_116 * factor_136);
-    let factor_138 = neg_mul_add(j_109, factor_125, g_after_109) * factor_126;
-    factors[95] = factor_138;
-    let factor_139 = g_after_135 * factor_126;
-    factors[96] = factor_139;
-    let factor_140 = 1.0
-        / neg_mul_add(factor_113, factor_127, neg_mul_add(j_110, factor_117, j_162));
-    factors[97] = factor_140;
-    let factor_141 = neg_mul_add(
-        factor_113,
-        factor_132,
-        neg_mul_add(j_110, factor_121, j_188),
-    ) * factor_140;
-    factors[102] = factor_141;
-    let factor_142 = neg_mul_add(factor_129, factor_141, factor_133);
-    factors[107] = factor_142;
-    let factor_143 = neg_mul_add(factor_130, factor_141, factor_134);
-    factors[108] = factor_143;
-    let factor_144 = neg_mul_add(factor_131, factor_141, factor_135);
-    factors[109] = factor_144;
-    let factor_145 = neg_mul_add(
-        factor_113,
-        factor_136,
-        neg_mul_add(j_110, factor_124, g_after_84),
-    ) * factor_140;
-    factors[103] = factor_145;
-    let factor_146 = neg_mul_add(factor_130, factor_145, factor_137);
-    let factor_147 = mul_sub(g_before_135, factor_136, factor_131 * factor_145);
-    let factor_148 = neg_mul_add(
-        factor_113,
-        factor_138,
-        neg_mul_add(j_110, factor_125, g_after_110),
-    ) * factor_140;
-    factors[104] = factor_148;
-    let factor_149 = mul_sub(g_before_135, factor_138, factor_131 * factor_148);
-    let factor_150 = neg_mul_add(factor_113, factor_139, g_after_136) * factor_140;
-    factors[105] = factor_150;
-    let factor_151 = neg_mul_add(
-        factor_128,
-        factor_141,
-        neg_mul_add(factor_114, factor_132, neg_mul_add(j_111, factor_121, j_189)),
-    );
-    let factor_152 = 1.0 / factor_151;
-    factors[106] = factor_152;
-    let factor_153 = neg_mul_add(
-        factor_128,
-        factor_145,
-        neg_mul_add(factor_114, factor_136, neg_mul_add(j_111, factor_124, g_after_85)),
-    );
-    let factor_154 = factor_153 * factor_152;
-    factors[110] = factor_154;
-    let factor_155 = neg_mul_add(factor_143, factor_154, factor_146);
-    factors[117] = factor_155;
-    let factor_156 = neg_mul_add(factor_144, factor_154, factor_147);
-    factors[118] = factor_156;
-    let factor_157 = neg_mul_add(
-        factor_128,
-        factor_148,
-        neg_mul_add(factor_114, factor_138, neg_mul_add(j_111, factor_125, g_after_111)),
-    );
-    let factor_158 = factor_157 * factor_152;
-    factors[111] = factor_158;
-    let factor_159 = neg_mul_add(factor_144, factor_158, factor_149);
-    let factor_160 = neg_mul_add(
-        factor_128,
-        factor_150,
-        neg_mul_add(factor_114, factor_139, g_after_137),
-    ) * factor_152;
-    factors[112] = factor_160;
-    let factor_161 = neg_mul_add(
-        factor_129,
-        factor_145,
-        mul_sub(g_before_82, factor_124, factor_115 * factor_136),
-    );
-    let factor_162 = 1.0 / neg_mul_add(factor_142, factor_154, factor_161);
-    factors[113] = factor_162;
-    let factor_163 = g_before_98 * factor_162;
-    factors[119] = -factor_163;
-    let factor_164 = mul_add(g_after_102, factor_163, factor_96);
-    let factor_165 = mul_add(g_after_103, factor_163, factor_97);
-    let factor_166 = g_before_102 * factor_162;
-    factors[120] = -factor_166;
-    let factor_167 = mul_add(g_after_103, factor_166, factor_109);
-    let factor_168 = g_before_103 * factor_162;
-    factors[121] = -factor_168;
-    let factor_169 = neg_mul_add(
-        factor_129,
-        factor_148,
-        mul_sub(g_before_82, factor_125, factor_115 * factor_138),
-    );
-    let factor_170 = neg_mul_add(factor_142, factor_158, factor_169) * factor_162;
-    factors[122] = factor_170;
-    let factor_171 = g_after_98 * factor_170;
-    factors[125] = -factor_171;
-    let factor_172 = neg_mul_add(g_after_102, factor_170, g_after_128);
-    factors[128] = factor_172;
-    let factor_173 = neg_mul_add(g_after_103, factor_170, g_after_129);
-    factors[129] = factor_173;
-    let factor_174 = neg_mul_add(factor_156, factor_170, factor_159);
-    factors[130] = factor_174;
-    let factor_175 = mul_add(
-        factor_142,
-        factor_160,
-        mul_add(factor_115, factor_139, factor_129 * factor_150),
-    );
-    let factor_176 = factor_175 * factor_162;
-    factors[123] = -factor_176;
-    let factor_177 = mul_add(g_after_102, factor_176, g_after_154);
-    let factor_178 = mul_add(g_after_103, factor_176, g_after_155);
-    let factor_179 = neg_mul_add(
-        factor_130,
-        factor_148,
-        mul_sub(g_before_108, factor_125, factor_116 * factor_138),
-    );
-    let factor_180 = neg_mul_add(factor_143, factor_158, factor_179);
-    let factor_181 = 1.0 / neg_mul_add(factor_155, factor_170, factor_180);
-    factors[124] = factor_181;
-    let factor_182 = factor_155 * factor_163 * factor_181;
-    factors[131] = factor_182;
-    let factor_183 = neg_mul_add(g_after_125, factor_182, factor_94);
-    let factor_184 = mul_add(g_after_127, factor_182, factor_95);
-    let factor_185 = neg_mul_add(factor_172, factor_182, factor_164);
-    let factor_186 = neg_mul_add(factor_173, factor_182, factor_165);
-    let factor_187 = g_before_125 * factor_181;
-    factors[132] = -factor_187;
-    let factor_188 = mul_add(g_after_127, factor_187, factor_99);
-    let factor_189 = mul_add(factor_172, factor_187, factor_100);
-    let factor_190 = mul_add(factor_173, factor_187, factor_101);
-    let factor_191 = g_before_127 * factor_181;
-    factors[133] = -factor_191;
-    let factor_192 = mul_add(factor_172, factor_191, factor_106);
-    let factor_193 = mul_add(factor_173, factor_191, factor_107);
-    let factor_194 = mul_sub(factor_155, factor_166, g_before_128) * factor_181;
-    factors[134] = factor_194;
-    let factor_195 = neg_mul_add(factor_173, factor_194, factor_167);
-    let factor_196 = mul_sub(factor_155, factor_168, g_before_129) * factor_181;
-    factors[135] = factor_196;
-    let factor_197 = mul_add(
-        factor_143,
-        factor_160,
-        mul_add(factor_116, factor_139, factor_130 * factor_150),
-    );
-    let factor_198 = mul_sub(factor_155, factor_176, factor_197) * factor_181;
-    factors[136] = factor_198;
-    let factor_199 = mul_add(g_after_98, factor_176, factor_171 * factor_198);
-    factors[138] = factor_199;
-    let factor_200 = g_after_125 * factor_198;
-    factors[139] = -factor_200;
-    let factor_201 = neg_mul_add(g_after_127, factor_198, g_after_153);
-    factors[141] = factor_201;
-    let factor_202 = neg_mul_add(factor_172, factor_198, factor_177);
-    factors[142] = factor_202;
-    let factor_203 = neg_mul_add(factor_173, factor_198, factor_178);
-    factors[143] = factor_203;
-    let factor_204 = neg_mul_add(
-        factor_144,
-        factor_160,
-        mul_sub(g_before_135, factor_139, factor_131 * factor_150),
-    );
-    let factor_205 = 1.0
-        / neg_mul_add(
-            factor_174,
-            factor_198,
-            mul_add(factor_156, factor_176, factor_204),
-        );
-    factors[137] = factor_205;
-    let factor_206 = mul_sub(factor_156, factor_163, factor_174 * factor_182)
-        * factor_205;
-    factors[144] = factor_206;
-    let factor_207 = mul_add(factor_200, factor_206, factor_183);
-    let factor_208 = mul_add(g_after_74, factor_93, g_after_152 * factor_206);
-    let factor_209 = mul_add(factor_201, factor_206, factor_184);
-    let factor_210 = neg_mul_add(factor_202, factor_206, factor_185);
-    let factor_211 = neg_mul_add(factor_203, factor_206, factor_186);
-    let factor_212 = factor_174 * factor_187 * factor_205;
-    factors[145] = factor_212;
-    let factor_213 = mul_add(g_after_74, factor_98, g_after_152 * factor_212);
-    let factor_214 = neg_mul_add(factor_201, factor_212, factor_188);
-    let factor_215 = neg_mul_add(factor_202, factor_212, factor_189);
-    let factor_216 = neg_mul_add(factor_203, factor_212, factor_190);
-    let factor_217 = g_before_152 * factor_205;
-    factors[146] = -factor_217;
-    let factor_218 = mul_add(factor_88, factor_102, factor_201 * factor_217);
-    let factor_219 = mul_add(factor_202, factor_217, factor_103);
-    let factor_220 = mul_add(factor_203, factor_217, factor_104);
-    let factor_221 = mul_sub(factor_174, factor_191, g_before_153) * factor_205;
-    factors[147] = factor_221;
-    let factor_222 = neg_mul_add(factor_202, factor_221, factor_192);
-    let factor_223 = neg_mul_add(factor_203, factor_221, factor_193);
-    let factor_224 = neg_mul_add(
-        factor_174,
-        factor_194,
-        mul_sub(factor_156, factor_166, g_before_154),
-    ) * factor_205;
-    factors[148] = factor_224;
-    let factor_225 = neg_mul_add(factor_203, factor_224, factor_195);
-    let factor_226 = neg_mul_add(
-        factor_174,
-        factor_196,
-        mul_sub(factor_156, factor_168, g_before_155),
-    ) * factor_205;
-    factors[149] = factor_226;
-    let factor_227 = 1.0 / j_216;
-    factors[150] = factor_227;
-    let factor_228 = j_242 * factor_227;
-    factors[156] = factor_228;
-    let factor_229 = neg_mul_add(j_218, factor_228, j_244);
-    factors[162] = factor_229;
-    let factor_230 = neg_mul_add(j_219, factor_228, j_245);
-    factors[163] = factor_230;
-    let factor_231 = mul_sub(g_before_164, factor_228, g_before_165);
-    factors[164] = factor_231;
-    let factor_232 = mul_sub(g_before_190, factor_228, g_before_191);
-    factors[165] = factor_232;
-    let factor_233 = j_268 * factor_227;
-    factors[157] = factor_233;
-    let factor_234 = neg_mul_add(j_219, factor_233, j_271);
-    let factor_235 = mul_sub(g_before_164, factor_233, g_before_166);
-    let factor_236 = mul_sub(g_before_190, factor_233, g_before_192);
-    let factor_237 = j_294 * factor_227;
-    factors[158] = factor_237;
-    let factor_238 = mul_sub(g_before_164, factor_237, g_before_167);
-    let factor_239 = mul_sub(g_before_190, factor_237, g_before_193);
-    let factor_240 = g_after_164 * factor_227;
-    factors[159] = factor_240;
-    let factor_241 = g_after_190 * factor_227;
-    factors[160] = factor_241;
-    let factor_242 = 1.0 / neg_mul_add(j_217, factor_228, j_243);
-    factors[161] = factor_242;
-    let factor_243 = neg_mul_add(j_217, factor_233, j_269) * factor_242;
-    factors[167] = factor_243;
-    let factor_244 = neg_mul_add(factor_230, factor_243, factor_234);
-    factors[173] = factor_244;
-    let factor_245 = neg_mul_add(factor_231, factor_243, factor_235);
-    factors[174] = factor_245;
-    let factor_246 = neg_mul_add(factor_232, factor_243, factor_236);
-    factors[175] = factor_246;
-    let factor_247 = mul_sub(g_before_217, factor_243, g_before_218);
-    factors[176] = factor_247;
-    let factor_248 = neg_mul_add(j_217, factor_237, j_295) * factor_242;
-    factors[168] = factor_248;
-    let factor_249 = neg_mul_add(factor_231, factor_248, factor_238);
-    let factor_250 = neg_mul_add(factor_232, factor_248, factor_239);
-    let factor_251 = mul_sub(g_before_217, factor_248, g_before_219);
-    let factor_252 = neg_mul_add(j_217, factor_240, g_after_165) * factor_242;
-    factors[169] = factor_252;
-    let factor_253 = mul_sub(g_before_190, factor_240, factor_232 * factor_252);
-    let factor_254 = neg_mul_add(j_217, factor_241, g_after_191) * factor_242;
-    factors[170] = factor_254;
-    let factor_255 = g_after_217 * factor_242;
-    factors[171] = factor_255;
-    let factor_256 = 1.0
-        / neg_mul_add(factor_229, factor_243, neg_mul_add(j_218, factor_233, j_270));
-    factors[172] = factor_256;
-    let factor_257 = neg_mul_add(
-        factor_229,
-        factor_248,
-        neg_mul_add(j_218, factor_237, j_296),
-    ) * factor_256;
-    factors[177] = factor_257;
-    let factor_258 = neg_mul_add(factor_245, factor_257, factor_249);
-    factors[182] = factor_258;
-    let factor_259 = neg_mul_add(factor_246, factor_257, factor_250);
-    factors[183] = factor_259;
-    let factor_260 = neg_mul_add(factor_247, factor_257, factor_251);
-    factors[184] = factor_260;
-    let factor_261 = neg_mul_add(
-        factor_229,
-        factor_252,
-        neg_mul_add(j_218, factor_240, g_after_166),
-    ) * factor_256;
-    factors[178] = factor_261;
-    let factor_262 = neg_mul_add(factor_246, factor_261, factor_253);
-    let factor_263 = mul_sub(g_before_217, factor_252, factor_247 * factor_261);
-    let factor_264 = neg_mul_add(
-        factor_229,
-        factor_254,
-        neg_mul_add(j_218, factor_241, g_after_192),
-    ) * factor_256;
-    factors[179] = factor_264;
-    let factor_265 = mul_sub(g_before_217, factor_254, factor_247 * factor_264);
-    let factor_266 = neg_mul_add(factor_229, factor_255, g_after_218) * factor_256;
-    factors[180] = factor_266;
-    let factor_267 = neg_mul_add(
-        factor_244,
-        factor_257,
-        neg_mul_add(factor_230, factor_248, neg_mul_add(j_219, factor_237, j_297)),
-    );
-    let factor_268 = 1.0 / factor_267;
-    factors[181] = factor_268;
-    let factor_269 = neg_mul_add(
-        factor_244,
-        factor_261,
-        neg_mul_add(factor_230, factor_252, neg_mul_add(j_219, factor_240, g_after_167)),
-    );
-    let factor_270 = factor_269 * factor_268;
-    factors[185] = factor_270;
-    let factor_271 = neg_mul_add(factor_259, factor_270, factor_262);
-    factors[192] = factor_271;
-    let factor_272 = neg_mul_add(factor_260, factor_270, factor_263);
-    factors[193] = factor_272;
-    let factor_273 = neg_mul_add(
-        factor_244,
-        factor_264,
-        neg_mul_add(factor_230, factor_254, neg_mul_add(j_219, factor_241, g_after_193)),
-    );
-    let factor_274 = factor_273 * factor_268;
-    factors[186] = factor_274;
-    let factor_275 = neg_mul_add(factor_260, factor_274, factor_265);
-    let factor_276 = neg_mul_add(
-        factor_244,
-        factor_266,
-        neg_mul_add(factor_230, factor_255, g_after_219),
-    ) * factor_268;
-    factors[187] = factor_276;
-    let factor_277 = neg_mul_add(
-        factor_245,
-        factor_261,
-        mul_sub(g_before_164, factor_240, factor_231 * factor_252),
-    );
-    let factor_278 = 1.0 / neg_mul_add(factor_258, factor_270, factor_277);
-    factors[188] = factor_278;
-    let factor_279 = g_before_176 * factor_278;
-    factors[194] = -factor_279;
-    let factor_280 = mul_add(g_after_180, factor_279, factor_210);
-    let factor_281 = mul_add(g_after_181, factor_279, factor_211);
-    let factor_282 = g_before_180 * factor_278;
-    factors[195] = -factor_282;
-    let factor_283 = mul_add(g_after_181, factor_282, factor_225);
-    let factor_284 = g_before_181 * factor_278;
-    factors[196] = -factor_284;
-    let factor_285 = neg_mul_add(
-        factor_245,
-        factor_264,
-        mul_sub(g_before_164, factor_241, factor_231 * factor_254),
-    );
-    let factor_286 = neg_mul_add(factor_258, factor_274, factor_285) * factor_278;
-    factors[197] = factor_286;
-    let factor_287 = g_after_176 * factor_286;
-    factors[200] = -factor_287;
-    let factor_288 = neg_mul_add(g_after_180, factor_286, g_after_206);
-    factors[203] = factor_288;
-    let factor_289 = neg_mul_add(g_after_181, factor_286, g_after_207);
-    factors[204] = factor_289;
-    let factor_290 = neg_mul_add(factor_272, factor_286, factor_275);
-    factors[205] = factor_290;
-    let factor_291 = mul_add(
-        factor_258,
-        factor_276,
-        mul_add(factor_231, factor_255, factor_245 * factor_266),
-    );
-    let factor_292 = factor_291 * factor_278;
-    factors[198] = -factor_292;
-    let factor_293 = mul_add(g_after_180, factor_292, g_after_232);
-    let factor_294 = mul_add(g_after_181, factor_292, g_after_233);
-    let factor_295 = neg_mul_add(
-        factor_246,
-        factor_264,
-        mul_sub(g_before_190, factor_241, factor_232 * factor_254),
-    );
-    let factor_296 = neg_mul_add(factor_259, factor_274, factor_295);
-    let factor_297 = 1.0 / neg_mul_add(factor_271, factor_286, factor_296);
-    factors[199] = factor_297;
-    let factor_298 = factor_271 * factor_279 * factor_297;
-    factors[206] = factor_298;
-    let factor_299 = neg_mul_add(g_after_203, factor_298, factor_207);
-    let factor_300 = mul_add(g_after_205, factor_298, factor_209);
-    let factor_301 = neg_mul_add(factor_288, factor_298, factor_280);
-    let factor_302 = neg_mul_add(factor_289, factor_298, factor_281);
-    let factor_303 = g_before_203 * factor_297;
-    factors[207] = -factor_303;
-    let factor_304 = mul_add(g_after_205, factor_303, factor_214);
-    let factor_305 = mul_add(factor_288, factor_303, factor_215);
-    let factor_306 = mul_add(factor_289, factor_303, factor_216);
-    let factor_307 = g_before_205 * factor_297;
-    factors[208] = -factor_307;
-    let factor_308 = mul_add(factor_288, factor_307, factor_222);
-    let factor_309 = mul_add(factor_289, factor_307, factor_223);
-    let factor_310 = mul_sub(factor_271, factor_282, g_before_206) * factor_297;
-    factors[209] = factor_310;
-    let factor_311 = neg_mul_add(factor_289, factor_310, factor_283);
-    let factor_312 = mul_sub(factor_271, factor_284, g_before_207) * factor_297;
-    factors[210] = factor_312;
-    let factor_313 = mul_add(
-        factor_259,
-        factor_276,
-        mul_add(factor_232, factor_255, factor_246 * factor_266),
-    );
-    let factor_314 = mul_sub(factor_271, factor_292, factor_313) * factor_297;
-    factors[211] = factor_314;
-    let factor_315 = mul_add(g_after_176, factor_292, factor_287 * factor_314);
-    factors[213] = factor_315;
-    let factor_316 = g_after_203 * factor_314;
-    factors[214] = -factor_316;
-    let factor_317 = neg_mul_add(g_after_205, factor_314, g_after_231);
-    factors[216] = factor_317;
-    let factor_318 = neg_mul_add(factor_288, factor_314, factor_293);
-    factors[217] = factor_318;
-    let factor_319 = neg_mul_add(factor_289, factor_314, factor_294);
-    factors[218] = factor_319;
-    let factor_320 = neg_mul_add(
-        factor_260,
-        factor_276,
-        mul_sub(g_before_217, factor_255, factor_247 * factor_266),
-    );
-    let factor_321 = 1.0
-        / neg_mul_add(
-            factor_290,
-            factor_314,
-            mul_add(factor_272, factor_292, factor_320),
-        );
-    factors[212] = factor_321;
-    let factor_322 = mul_sub(factor_272, factor_279, factor_290 * factor_298)
-        * factor_321;
-    factors[219] = factor_322;
-    let factor_323 = mul_add(factor_316, factor_322, factor_299);
-    let factor_324 = mul_add(g_after_230, factor_322, factor_208);
-    let factor_325 = mul_add(factor_317, factor_322, factor_300);
-    let factor_326 = neg_mul_add(factor_318, factor_322, factor_301);
-    let factor_327 = neg_mul_add(factor_319, factor_322, factor_302);
-    let factor_328 = factor_290 * factor_303 * factor_321;
-    factors[220] = factor_328;
-    let factor_329 = mul_add(g_after_230, factor_328, factor_213);
-    let factor_330 = neg_mul_add(factor_317, factor_328, factor_304);
-    let factor_331 = neg_mul_add(factor_318, factor_328, factor_305);
-    let factor_332 = neg_mul_add(factor_319, factor_328, factor_306);
-    let factor_333 = g_before_230 * factor_321;
-    factors[221] = -factor_333;
-    let factor_334 = mul_add(factor_317, factor_333, factor_218);
-    let factor_335 = mul_add(factor_318, factor_333, factor_219);
-    let factor_336 = mul_add(factor_319, factor_333, factor_220);
-    let factor_337 = mul_sub(factor_290, factor_307, g_before_231) * factor_321;
-    factors[222] = factor_337;
-    let factor_338 = neg_mul_add(factor_318, factor_337, factor_308);
-    let factor_339 = neg_mul_add(factor_319, factor_337, factor_309);
-    let factor_340 = neg_mul_add(
-        factor_290,
-        factor_310,
-        mul_sub(factor_272, factor_282, g_before_232),
-    ) * factor_321;
-    factors[223] = factor_340;
-    let factor_341 = neg_mul_add(factor_319, factor_340, factor_311);
-    let factor_342 = neg_mul_add(
-        factor_290,
-        factor_312,
-        mul_sub(factor_272, factor_284, g_before_233),
-    ) * factor_321;
-    factors[224] = factor_342;
-    let factor_343 = 1.0 / j_324;
-    factors[225] = factor_343;
-    let factor_344 = j_350 * factor_343;
-    factors[231] = factor_344;
-    let factor_345 = neg_mul_add(j_326, factor_344, j_352);
-    factors[237] = factor_345;
-    let factor_346 = neg_mul_add(j_327, factor_344, j_353);
-    factors[238] = factor_346;
-    let factor_347 = mul_sub(g_before_246, factor_344, g_before_247);
-    factors[239] = factor_347;
-    let factor_348 = mul_sub(g_before_272, factor_344, g_before_273);
-    factors[240] = factor_348;
-    let factor_349 = j_376 * factor_343;
-    factors[232] = factor_349;
-    let factor_350 = neg_mul_add(j_327, factor_349, j_379);
-    let factor_351 = mul_sub(g_before_246, factor_349, g_before_248);
-    let factor_352 = mul_sub(g_before_272, factor_349, g_before_274);
-    let factor_353 = j_402 * factor_343;
-    factors[233] = factor_353;
-    let factor_354 = mul_sub(g_before_246, factor_353, g_before_249);
-    let factor_355 = mul_sub(g_before_272, factor_353, g_before_275);
-    let factor_356 = g_after_246 * factor_343;
-    factors[234] = factor_356;
-    let factor_357 = g_after_272 * factor_343;
-    factors[235] = factor_357;
-    let factor_358 = 1.0 / neg_mul_add(j_325, factor_344, j_351);
-    factors[236] = factor_358;
-    let factor_359 = neg_mul_add(j_325, factor_349, j_377) * factor_358;
-    factors[242] = factor_359;
-    let factor_360 = neg_mul_add(factor_346, factor_359, factor_350);
-    factors[248] = factor_360;
-    let factor_361 = neg_mul_add(factor_347, factor_359, factor_351);
-    factors[249] = factor_361;
-    let factor_362 = neg_mul_add(factor_348, factor_359, factor_352);
-    factors[250] = factor_362;
-    let factor_363 = mul_sub(g_before_299, factor_359, g_before_300);
-    factors[251] = factor_363;
-    let factor_364 = neg_mul_add(j_325, factor_353, j_403) * factor_358;
-    factors[243] = factor_364;
-    let factor_365 = neg_mul_add(factor_347, factor_364, factor_354);
-    let factor_366 = neg_mul_add(factor_348, factor_364, factor_355);
-    let factor_367 = mul_sub(g_before_299, factor_364, g_before_301);
-    let factor_368 = neg_mul_add(j_325, factor_356, g_after_247) * factor_358;
-    factors[244] = factor_368;
-    let factor_369 = mul_sub(g_before_272, factor_356, factor_348 * factor_368);
-    let factor_370 = neg_mul_add(j_325, factor_357, g_after_273) * factor_358;
-    factors[245] = factor_370;
-    let factor_371 = g_after_299 * factor_358;
-    factors[246] = factor_371;
-    let factor_372 = 1.0
-        / neg_mul_add(factor_345, factor_359, neg_mul_add(j_326, factor_349, j_378));
-    factors[247] = factor_372;
-    let factor_373 = neg_mul_add(
-        factor_345,
-        factor_364,
-        neg_mul_add(j_326, factor_353, j_404),
-    ) * factor_372;
-    factors[252] = factor_373;
-    let factor_374 = neg_mul_add(factor_361, factor_373, factor_365);
-    factors[257] = factor_374;
-    let factor_375 = neg_mul_add(factor_362, factor_373, factor_366);
-    factors[258] = factor_375;
-    let factor_376 = neg_mul_add(factor_363, factor_373, factor_367);
-    factors[259] = factor_376;
-    let factor_377 = neg_mul_add(
-        factor_345,
-        factor_368,
-        neg_mul_add(j_326, factor_356, g_after_248),
-    ) * factor_372;
-    factors[253] = factor_377;
-    let factor_378 = neg_mul_add(factor_362, factor_377, factor_369);
-    let factor_379 = mul_sub(g_before_299, factor_368, factor_363 * factor_377);
-    let factor_380 = neg_mul_add(
-        factor_345,
-        factor_370,
-        neg_mul_add(j_326, factor_357, g_after_274),
-    ) * factor_372;
-    factors[254] = factor_380;
-    let factor_381 = mul_sub(g_before_299, factor_370, factor_363 * factor_380);
-    let factor_382 = neg_mul_add(factor_345, factor_371, g_after_300) * factor_372;
-    factors[255] = factor_382;
-    let factor_383 = neg_mul_add(
-        factor_360,
-        factor_373,
-        neg_mul_add(factor_346, factor_364, neg_mul_add(j_327, factor_353, j_405)),
-    );
-    let factor_384 = 1.0 / factor_383;
-    factors[256] = factor_384;
-    let factor_385 = neg_mul_add(
-        factor_360,
-        factor_377,
-        neg_mul_add(factor_346, factor_368, neg_mul_add(j_327, factor_356, g_after_249)),
-    );
-    let factor_386 = factor_385 * factor_384;
-    factors[260] = factor_386;
-    let factor_387 = neg_mul_add(factor_375, factor_386, factor_378);
-    factors[267] = factor_387;
-    let factor_388 = neg_mul_add(factor_376, factor_386, factor_379);
-    factors[268] = factor_388;
-    let factor_389 = neg_mul_add(
-        factor_360,
-        factor_380,
-        neg_mul_add(factor_346, factor_370, neg_mul_add(j_327, factor_357, g_after_275)),
-    );
-    let factor_390 = factor_389 * factor_384;
-    factors[261] = factor_390;
-    let factor_391 = neg_mul_add(factor_376, factor_390, factor_381);
-    let factor_392 = neg_mul_add(
-        factor_360,
-        factor_382,
-        neg_mul_add(factor_346, factor_371, g_after_301),
-    ) * factor_384;
-    factors[262] = factor_392;
-    let factor_393 = neg_mul_add(
-        factor_361,
-        factor_377,
-        mul_sub(g_before_246, factor_356, factor_347 * factor_368),
-    );
-    let factor_394 = 1.0 / neg_mul_add(factor_374, factor_386, factor_393);
-    factors[263] = factor_394;
-    let factor_395 = g_before_254 * factor_394;
-    factors[269] = -factor_395;
-    let factor_396 = mul_add(g_after_258, factor_395, factor_326);
-    let factor_397 = mul_add(g_after_259, factor_395, factor_327);
-    let factor_398 = g_before_258 * factor_394;
-    factors[270] = -factor_398;
-    let factor_399 = mul_add(g_after_259, factor_398, factor_341);
-    let factor_400 = g_before_259 * factor_394;
-    factors[271] = -factor_400;
-    let factor_401 = neg_mul_add(
-        factor_361,
-        factor_380,
-        mul_sub(g_before_246, factor_357, factor_347 * factor_370),
-    );
-    let factor_402 = neg_mul_add(factor_374, factor_390, factor_401) * factor_394;
-    factors[272] = factor_402;
-    let factor_403 = g_after_254 * factor_402;
-    factors[275] = -factor_403;
-    let factor_404 = neg_mul_add(g_after_258, factor_402, g_after_284);
-    factors[278] = factor_404;
-    let factor_405 = neg_mul_add(g_after_259, factor_402, g_after_285);
-    factors[279] = factor_405;
-    let factor_406 = neg_mul_add(factor_388, factor_402, factor_391);
-    factors[280] = factor_406;
-    let factor_407 = mul_add(
-        factor_374,
-        factor_392,
-        mul_add(factor_347, factor_371, factor_361 * factor_382),
-    );
-    let factor_408 = factor_407 * factor_394;
-    factors[273] = -factor_408;
-    let factor_409 = mul_add(g_after_258, factor_408, g_after_310);
-    let factor_410 = mul_add(g_after_259, factor_408, g_after_311);
-    let factor_411 = neg_mul_add(
-        factor_362,
-        factor_380,
-        mul_sub(g_before_272, factor_357, factor_348 * factor_370),
-    );
-    let factor_412 = neg_mul_add(factor_375, factor_390, factor_411);
-    let factor_413 = 1.0 / neg_mul_add(factor_387, factor_402, factor_412);
-    factors[274] = factor_413;
-    let factor_414 = factor_387 * factor_395 * factor_413;
-    factors[281] = factor_414;
-    let factor_415 = neg_mul_add(g_after_281, factor_414, factor_323);
-    let factor_416 = mul_add(g_after_283, factor_414, factor_325);
-    let factor_417 = neg_mul_add(factor_404, factor_414, factor_396);
-    let factor_418 = neg_mul_add(factor_405, factor_414, factor_397);
-    let factor_419 = g_before_281 * factor_413;
-    factors[282] = -factor_419;
-    let factor_420 = mul_add(g_after_283, factor_419, factor_330);
-    let factor_421 = mul_add(factor_404, factor_419, factor_331);
-    let factor_422 = mul_add(factor_405, factor_419, factor_332);
-    let factor_423 = g_before_283 * factor_413;
-    factors[283] = -factor_423;
-    let factor_424 = mul_add(factor_404, factor_423, factor_338);
-    let factor_425 = mul_add(factor_405, factor_423, factor_339);
-    let factor_426 = mul_sub(factor_387, factor_398, g_before_284) * factor_413;
-    factors[284] = factor_426;
-    let factor_427 = neg_mul_add(factor_405, factor_426, factor_399);
-    let factor_428 = mul_sub(factor_387, factor_400, g_before_285) * factor_413;
-    factors[285] = factor_428;
-    let factor_429 = mul_add(
-        factor_375,
-        factor_392,
-        mul_add(factor_348, factor_371, factor_362 * factor_382),
-    );
-    let factor_430 = mul_sub(factor_387, factor_408, factor_429) * factor_413;
-    factors[286] = factor_430;
-    let factor_431 = mul_add(g_after_254, factor_408, factor_403 * factor_430);
-    factors[288] = factor_431;
-    let factor_432 = g_after_281 * factor_430;
-    factors[289] = -factor_432;
-    let factor_433 = neg_mul_add(g_after_283, factor_430, g_after_309);
-    factors[291] = factor_433;
-    let factor_434 = neg_mul_add(factor_404, factor_430, factor_409);
-    factors[292] = factor_434;
-    let factor_435 = neg_mul_add(factor_405, factor_430, factor_410);
-    factors[293] = factor_435;
-    let factor_436 = neg_mul_add(
-        factor_376,
-        factor_392,
-        mul_sub(g_before_299, factor_371, factor_363 * factor_382),
-    );
-    let factor_437 = 1.0
-        / neg_mul_add(
-            factor_406,
-            factor_430,
-            mul_add(factor_388, factor_408, factor_436),
-        );
-    factors[287] = factor_437;
-    let factor_438 = mul_sub(factor_388, factor_395, factor_406 * factor_414)
-        * factor_437;
-    factors[294] = factor_438;
-    let factor_439 = mul_add(factor_432, factor_438, factor_415);
-    let factor_440 = mul_add(g_after_308, factor_438, factor_324);
-    let factor_441 = mul_add(factor_433, factor_438, factor_416);
-    let factor_442 = neg_mul_add(factor_434, factor_438, factor_417);
-    let factor_443 = neg_mul_add(factor_435, factor_438, factor_418);
-    let factor_444 = factor_406 * factor_419 * factor_437;
-    factors[295] = factor_444;
-    let factor_445 = mul_add(g_after_308, factor_444, factor_329);
-    let factor_446 = neg_mul_add(factor_433, factor_444, factor_420);
-    let factor_447 = neg_mul_add(factor_434, factor_444, factor_421);
-    let factor_448 = neg_mul_add(factor_435, factor_444, factor_422);
-    let factor_449 = g_before_308 * factor_437;
-    factors[296] = -factor_449;
-    let factor_450 = mul_add(factor_433, factor_449, factor_334);
-    let factor_451 = mul_add(factor_434, factor_449, factor_335);
-    let factor_452 = mul_add(factor_435, factor_449, factor_336);
-    let factor_453 = mul_sub(factor_406, factor_423, g_before_309) * factor_437;
-    factors[297] = factor_453;
-    let factor_454 = neg_mul_add(factor_434, factor_453, factor_424);
-    let factor_455 = neg_mul_add(factor_435, factor_453, factor_425);
-    let factor_456 = neg_mul_add(
-        factor_406,
-        factor_426,
-        mul_sub(factor_388, factor_398, g_before_310),
-    ) * factor_437;
-    factors[298] = factor_456;
-    let factor_457 = neg_mul_add(factor_435, factor_456, factor_427);
-    let factor_458 = neg_mul_add(
-        factor_406,
-        factor_428,
-        mul_sub(factor_388, factor_400, g_before_311),
-    ) * factor_437;
-    factors[299] = factor_458;
-    let factor_459 = 1.0 / j_432;
-    factors[300] = factor_459;
-    let factor_460 = j_458 * factor_459;
-    factors[307] = factor_460;
-    let factor_461 = neg_mul_add(j_434, factor_460, j_460);
-    factors[314] = factor_461;
-    let factor_462 = neg_mul_add(j_435, factor_460, j_461);
-    factors[315] = factor_462;
-    let factor_463 = mul_sub(g_before_328, factor_460, g_before_329);
-    factors[316] = factor_463;
-    let factor_464 = mul_sub(g_before_354, factor_460, g_before_355);
-    factors[317] = factor_464;
-    let factor_465 = mul_sub(g_before_380, factor_460, g_before_381);
-    factors[318] = factor_465;
-    let factor_466 = j_484 * factor_459;
-    factors[308] = factor_466;
-    let factor_467 = neg_mul_add(j_435, factor_466, j_487);
-    let factor_468 = mul_sub(g_before_328, factor_466, g_before_330);
-    let factor_469 = mul_sub(g_before_354, factor_466, g_before_356);
-    let factor_470 = mul_sub(g_before_380, factor_466, g_before_382);
-    let factor_471 = j_510 * factor_459;
-    factors[309] = factor_471;
-    let factor_472 = mul_sub(g_before_328, factor_471, g_before_331);
-    let factor_473 = mul_sub(g_before_354, factor_471, g_before_357);
-    let factor_474 = mul_sub(g_before_380, factor_471, g_before_383);
-    let factor_475 = g_after_328 * factor_459;
-    factors[310] = factor_475;
-    let factor_476 = g_after_354 * factor_459;
-    factors[311] = factor_476;
-    let factor_477 = g_after_380 * factor_459;
-    factors[312] = factor_477;
-    let factor_478 = 1.0 / neg_mul_add(j_433, factor_460, j_459);
-    factors[313] = factor_478;
-    let factor_479 = neg_mul_add(j_433, factor_466, j_485) * factor_478;
-    factors[319] = factor_479;
-    let factor_480 = neg_mul_add(factor_462, factor_479, factor_467);
-    factors[325] = factor_480;
-    let factor_481 = neg_mul_add(factor_463, factor_479, factor_468);
-    factors[326] = factor_481;
-    let factor_482 = neg_mul_add(factor_464, factor_479, factor_469);
-    factors[327] = factor_482;
-    let factor_483 = neg_mul_add(factor_465, factor_479, factor_470);
-    factors[328] = factor_483;
-    let factor_484 = neg_mul_add(j_433, factor_471, j_511) * factor_478;
-    factors[320] = factor_484;
-    let factor_485 = neg_mul_add(factor_463, factor_484, factor_472);
-    let factor_486 = neg_mul_add(factor_464, factor_484, factor_473);
-    let factor_487 = neg_mul_add(factor_465, factor_484, factor_474);
-    let factor_488 = neg_mul_add(j_433, factor_475, g_after_329) * factor_478;
-    factors[321] = factor_488;
-    let factor_489 = mul_sub(g_before_354, factor_475, factor_464 * factor_488);
-    let factor_490 = mul_sub(g_before_380, factor_475, factor_465 * factor_488);
-    let factor_491 = neg_mul_add(j_433, factor_476, g_after_355) * factor_478;
-    factors[322] = factor_491;
-    let factor_492 = mul_sub(g_before_380, factor_476, factor_465 * factor_491);
-    let factor_493 = neg_mul_add(j_433, factor_477, g_after_381) * factor_478;
-    factors[323] = factor_493;
-    let factor_494 = 1.0
-        / neg_mul_add(factor_461, factor_479, neg_mul_add(j_434, factor_466, j_486));
-    factors[324] = factor_494;
-    let factor_495 = neg_mul_add(
-        factor_461,
-        factor_484,
-        neg_mul_add(j_434, factor_471, j_512),
-    ) * factor_494;
-    factors[329] = factor_495;
-    let factor_496 = neg_mul_add(factor_481, factor_495, factor_485);
-    factors[334] = factor_496;
-    let factor_497 = neg_mul_add(factor_482, factor_495, factor_486);
-    factors[335] = factor_497;
-    let factor_498 = neg_mul_add(factor_483, factor_495, factor_487);
-    factors[336] = factor_498;
-    let factor_499 = neg_mul_add(
-        factor_461,
-        factor_488,
-        neg_mul_add(j_434, factor_475, g_after_330),
-    ) * factor_494;
-    factors[330] = factor_499;
-    let factor_500 = neg_mul_add(factor_482, factor_499, factor_489);
-    let factor_501 = neg_mul_add(factor_483, factor_499, factor_490);
-    let factor_502 = neg_mul_add(
-        factor_461,
-        factor_491,
-        neg_mul_add(j_434, factor_476, g_after_356),
-    ) * factor_494;
-    factors[331] = factor_502;
-    let factor_503 = neg_mul_add(factor_483, factor_502, factor_492);
-    let factor_504 = neg_mul_add(
-        factor_461,
-        factor_493,
-        neg_mul_add(j_434, factor_477, g_after_382),
-    ) * factor_494;
-    factors[332] = factor_504;
-    let factor_505 = neg_mul_add(
-        factor_480,
-        factor_495,
-        neg_mul_add(factor_462, factor_484, neg_mul_add(j_435, factor_471, j_513)),
-    );
-    let factor_506 = 1.0 / factor_505;
-    factors[333] = factor_506;
-    let factor_507 = neg_mul_add(
-        factor_480,
-        factor_499,
-        neg_mul_add(factor_462, factor_488, neg_mul_add(j_435, factor_475, g_after_331)),
-    );
-    let factor_508 = factor_507 * factor_506;
-    factors[337] = factor_508;
-    let factor_509 = neg_mul_add(factor_497, factor_508, factor_500);
-    factors[344] = factor_509;
-    let factor_510 = neg_mul_add(factor_498, factor_508, factor_501);
-    factors[345] = factor_510;
-    let factor_511 = neg_mul_add(
-        factor_480,
-        factor_502,
-        neg_mul_add(factor_462, factor_491, neg_mul_add(j_435, factor_476, g_after_357)),
-    );
-    let factor_512 = factor_511 * factor_506;
-    factors[338] = factor_512;
-    let factor_513 = neg_mul_add(factor_498, factor_512, factor_503);
-    let factor_514 = neg_mul_add(
-        factor_480,
-        factor_504,
-        neg_mul_add(factor_462, factor_493, neg_mul_add(j_435, factor_477, g_after_383)),
-    );
-    let factor_515 = factor_514 * factor_506;
-    factors[339] = factor_515;
-    let factor_516 = neg_mul_add(
-        factor_481,
-        factor_499,
-        mul_sub(g_before_328, factor_475, factor_463 * factor_488),
-    );
-    let factor_517 = 1.0 / neg_mul_add(factor_496, factor_508, factor_516);
-    factors[340] = factor_517;
-    let factor_518 = g_before_332 * factor_517;
-    factors[346] = -factor_518;
-    let factor_519 = mul_add(g_after_336, factor_518, factor_442);
-    let factor_520 = mul_add(g_after_337, factor_518, factor_443);
-    let factor_521 = g_before_336 * factor_517;
-    factors[347] = -factor_521;
-    let factor_522 = mul_add(g_after_337, factor_521, factor_457);
-    let factor_523 = g_before_337 * factor_517;
-    factors[348] = -factor_523;
-    let factor_524 = neg_mul_add(
-        factor_481,
-        factor_502,
-        mul_sub(g_before_328, factor_476, factor_463 * factor_491),
-    );
-    let factor_525 = neg_mul_add(factor_496, factor_512, factor_524) * factor_517;
-    factors[349] = factor_525;
-    let factor_526 = g_after_332 * factor_525;
-    factors[352] = -factor_526;
-    let factor_527 = neg_mul_add(g_after_336, factor_525, g_after_362);
-    factors[355] = factor_527;
-    let factor_528 = neg_mul_add(g_after_337, factor_525, g_after_363);
-    factors[356] = factor_528;
-    let factor_529 = neg_mul_add(factor_510, factor_525, factor_513);
-    factors[357] = factor_529;
-    let factor_530 = neg_mul_add(
-        factor_481,
-        factor_504,
-        mul_sub(g_before_328, factor_477, factor_463 * factor_493),
-    );
-    let factor_531 = neg_mul_add(factor_496, factor_515, factor_530) * factor_517;
-    factors[350] = factor_531;
-    let factor_532 = neg_mul_add(g_after_336, factor_531, g_after_388);
-    let factor_533 = neg_mul_add(g_after_337, factor_531, g_after_389);
-    let factor_534 = neg_mul_add(
-        factor_482,
-        factor_502,
-        mul_sub(g_before_354, factor_476, factor_464 * factor_491),
-    );
-    let factor_535 = neg_mul_add(factor_497, factor_512, factor_534);
-    let factor_536 = 1.0 / neg_mul_add(factor_509, factor_525, factor_535);
-    factors[351] = factor_536;
-    let factor_537 = factor_509 * factor_518 * factor_536;
-    factors[358] = factor_537;
-    let factor_538 = neg_mul_add(g_after_359, factor_537, factor_439);
-    let factor_539 = mul_add(g_after_361, factor_537, factor_441);
-    let factor_540 = neg_mul_add(factor_527, factor_537, factor_519);
-    let factor_541 = neg_mul_add(factor_528, factor_537, factor_520);
-    let factor_542 = g_before_359 * factor_536;
-    factors[359] = -factor_542;
-    let factor_543 = mul_add(g_after_361, factor_542, factor_446);
-    let factor_544 = mul_add(factor_527, factor_542, factor_447);
-    let factor_545 = mul_add(factor_528, factor_542, factor_448);
-    let factor_546 = g_before_361 * factor_536;
-    factors[360] = -factor_546;
-    let factor_547 = mul_add(factor_527, factor_546, factor_454);
-    let factor_548 = mul_add(factor_528, factor_546, factor_455);
-    let factor_549 = mul_sub(factor_509, factor_521, g_before_362) * factor_536;
-    factors[361] = factor_549;
-    let factor_550 = neg_mul_add(factor_528, factor_549, factor_522);
-    let factor_551 = mul_sub(factor_509, factor_523, g_before_363) * factor_536;
-    factors[362] = factor_551;
-    let factor_552 = neg_mul_add(
-        factor_482,
-        factor_504,
-        mul_sub(g_before_354, factor_477, factor_464 * factor_493),
-    );
-    let factor_553 = neg_mul_add(
-        factor_509,
-        factor_531,
-        neg_mul_add(factor_497, factor_515, factor_552),
-    ) * factor_536;
-    factors[363] = factor_553;
-    let factor_554 = neg_mul_add(g_after_332, factor_531, factor_526 * factor_553);
-    factors[365] = factor_554;
-    let factor_555 = g_after_359 * factor_553;
-    factors[366] = -factor_555;
-    let factor_556 = neg_mul_add(g_after_361, factor_553, g_after_387);
-    factors[368] = factor_556;
-    let factor_557 = neg_mul_add(factor_527, factor_553, factor_532);
-    factors[369] = factor_557;
-    let factor_558 = neg_mul_add(factor_528, factor_553, factor_533);
-    factors[370] = factor_558;
-    let factor_559 = neg_mul_add(
-        factor_483,
-        factor_504,
-        mul_sub(g_before_380, factor_477, factor_465 * factor_493),
-    );
-    let factor_560 = neg_mul_add(factor_498, factor_515, factor_559);
-    let factor_561 = 1.0
-        / neg_mul_add(
-            factor_529,
-            factor_553,
-            neg_mul_add(factor_510, factor_531, factor_560),
-        );
-    factors[364] = factor_561;
-    let factor_562 = mul_sub(factor_510, factor_518, factor_529 * factor_537)
-        * factor_561;
-    factors[371] = factor_562;
-    let factor_563 = mul_add(factor_555, factor_562, factor_538);
-    factors[378] = factor_563;
-    let factor_564 = mul_add(g_after_386, factor_562, factor_440);
-    factors[379] = -factor_564;
-    let factor_565 = mul_add(factor_556, factor_562, factor_539);
-    factors[380] = -factor_565;
-    let factor_566 = neg_mul_add(factor_557, factor_562, factor_540);
-    factors[381] = factor_566;
-    let factor_567 = neg_mul_add(factor_558, factor_562, factor_541);
-    factors[382] = factor_567;
-    let factor_568 = factor_529 * factor_542 * factor_561;
-    factors[372] = factor_568;
-    let factor_569 = mul_add(g_after_386, factor_568, factor_445);
-    let factor_570 = neg_mul_add(factor_556, factor_568, factor_543);
-    let factor_571 = neg_mul_add(factor_557, factor_568, factor_544);
-    let factor_572 = neg_mul_add(factor_558, factor_568, factor_545);
-    let factor_573 = g_before_386 * factor_561;
-    factors[373] = -factor_573;
-    let factor_574 = mul_add(factor_556, factor_573, factor_450);
-    let factor_575 = mul_add(factor_557, factor_573, factor_451);
-    let factor_576 = mul_add(factor_558, factor_573, factor_452);
-    let factor_577 = mul_sub(factor_529, factor_546, g_before_387) * factor_561;
-    factors[374] = factor_577;
-    let factor_578 = neg_mul_add(factor_557, factor_577, factor_547);
-    let factor_579 = neg_mul_add(factor_558, factor_577, factor_548);
-    let factor_580 = neg_mul_add(
-        factor_529,
-        factor_549,
-        mul_sub(factor_510, factor_521, g_before_388),
-    ) * factor_561;
-    factors[375] = factor_580;
-    let factor_581 = neg_mul_add(factor_558, factor_580, factor_550);
-    let factor_582 = neg_mul_add(
-        factor_529,
-        factor_551,
-        mul_sub(factor_510, factor_523, g_before_389),
-    ) * factor_561;
-    factors[376] = factor_582;
-    let factor_583 = neg_mul_add(
-        factor_86,
-        factor_93,
-        mul_add(factor_61, factor_72, mul_add(g_after_20, factor_53, j_540)),
-    );
-    let factor_584 = neg_mul_add(
-        factor_199,
-        factor_206,
-        mul_add(factor_171, factor_182, mul_add(g_after_98, factor_163, factor_583)),
-    );
-    let factor_585 = neg_mul_add(
-        factor_315,
+    factors[357] = factor_359;
+    let factor_360 = factor_342 * factor_345 * factor_354;
+    factors[358] = factor_360;
+    let factor_361 = g_before_359 * factor_354;
+    factors[359] = -factor_361;
+    let factor_362 = g_before_361 * factor_354;
+    factors[360] = -factor_362;
+    let factor_363 = mul_sub(factor_342, factor_346, g_before_362) * factor_354;
+    factors[361] = factor_363;
+    let factor_364 = mul_sub(factor_342, factor_347, g_before_363) * factor_354;
+    factors[362] = factor_364;
+    let factor_365 = neg_mul_add(
         factor_322,
-        mul_add(factor_287, factor_298, mul_add(g_after_176, factor_279, factor_584)),
+        factor_327,
+        mul_sub(g_before_354, factor_307, factor_312 * factor_318),
     );
-    let factor_586 = neg_mul_add(
-        factor_431,
-        factor_438,
-        mul_add(factor_403, factor_414, mul_add(g_after_254, factor_395, factor_585)),
-    );
-    let factor_587 = neg_mul_add(
-        factor_554,
-        factor_562,
-        mul_add(factor_526, factor_537, mul_add(g_after_332, factor_518, factor_586)),
-    );
-    let factor_588 = 1.0 / factor_587;
-    factors[377] = factor_588;
-    let factor_589 = mul_add(
-        factor_171,
-        factor_187,
-        mul_add(factor_61, factor_75, factor_86 * factor_98),
-    );
-    let factor_590 = mul_add(
-        factor_315,
-        factor_328,
-        mul_add(factor_287, factor_303, mul_add(factor_199, factor_212, factor_589)),
-    );
-    let factor_591 = mul_add(
-        factor_526,
-        factor_542,
-        mul_add(factor_431, factor_444, mul_add(factor_403, factor_419, factor_590)),
-    );
-    let factor_592 = mul_add(factor_554, factor_568, factor_591) * factor_588;
-    factors[383] = -factor_592;
-    let factor_593 = mul_add(factor_564, factor_592, factor_569);
-    factors[389] = -factor_593;
-    let factor_594 = neg_mul_add(factor_565, factor_592, factor_570);
-    factors[390] = factor_594;
-    let factor_595 = mul_add(factor_566, factor_592, factor_571);
-    factors[391] = factor_595;
-    let factor_596 = mul_add(factor_567, factor_592, factor_572);
-    factors[392] = factor_596;
-    let factor_597 = mul_add(
-        factor_315,
-        factor_333,
-        mul_add(factor_86, factor_102, factor_199 * factor_217),
-    );
-    let factor_598 = mul_add(
-        factor_554,
-        factor_573,
-        mul_add(factor_431, factor_449, factor_597),
-    ) * factor_588;
-    factors[384] = factor_598;
-    let factor_599 = mul_add(factor_565, factor_598, factor_574);
-    let factor_600 = neg_mul_add(factor_566, factor_598, factor_575);
-    let factor_601 = neg_mul_add(factor_567, factor_598, factor_576);
-    let factor_602 = mul_add(
-        factor_171,
-        factor_191,
-        mul_add(factor_61, factor_78, factor_86 * factor_105),
-    );
-    let factor_603 = mul_add(
-        factor_315,
-        factor_337,
-        mul_add(factor_287, factor_307, mul_add(factor_199, factor_221, factor_602)),
-    );
-    let factor_604 = mul_add(
-        factor_526,
-        factor_546,
-        mul_add(factor_431, factor_453, mul_add(factor_403, factor_423, factor_603)),
-    );
-    let factor_605 = mul_add(factor_554, factor_577, factor_604) * factor_588;
-    factors[385] = -factor_605;
-    let factor_606 = mul_add(factor_566, factor_605, factor_578);
-    let factor_607 = mul_add(factor_567, factor_605, factor_579);
-    let factor_608 = neg_mul_add(
-        factor_86,
-        factor_108,
-        mul_add(factor_61, factor_81, mul_add(g_after_20, factor_56, j_644)),
-    );
-    let factor_609 = neg_mul_add(
-        factor_199,
-        factor_224,
-        mul_add(factor_171, factor_194, mul_add(g_after_98, factor_166, factor_608)),
-    );
-    let factor_610 = neg_mul_add(
-        factor_315,
-        factor_340,
-        mul_add(factor_287, factor_310, mul_add(g_after_176, factor_282, factor_609)),
-    );
-    let factor_611 = neg_mul_add(
-        factor_431,
-        factor_456,
-        mul_add(factor_403, factor_426, mul_add(g_after_254, factor_398, factor_610)),
-    );
-    let factor_612 = neg_mul_add(
-        factor_554,
-        factor_580,
-        mul_add(factor_526, factor_549, mul_add(g_after_332, factor_521, factor_611)),
-    );
-    let factor_613 = factor_612 * factor_588;
-    factors[386] = factor_613;
-    let factor_614 = neg_mul_add(factor_567, factor_613, factor_581);
-    let factor_615 = neg_mul_add(
-        factor_86,
-        factor_110,
-        mul_add(factor_61, factor_83, mul_add(g_after_20, factor_58, j_670)),
-    );
-    let factor_616 = neg_mul_add(
-        factor_199,
-        factor_226,
-        mul_add(factor_171, factor_196, mul_add(g_after_98, factor_168, factor_615)),
-    );
-    let factor_617 = neg_mul_add(
-        factor_315,
+    let factor_366 = neg_mul_add(
         factor_342,
-        mul_add(factor_287, factor_312, mul_add(g_after_176, factor_284, factor_616)),
+        factor_351,
+        neg_mul_add(factor_331, factor_338, factor_365),
+    ) * factor_354;
+    factors[363] = factor_366;
+    let factor_367 = neg_mul_add(
+        factor_323,
+        factor_327,
+        mul_sub(g_before_380, factor_307, factor_313 * factor_318),
     );
-    let factor_618 = neg_mul_add(
-        factor_431,
-        factor_458,
-        mul_add(factor_403, factor_428, mul_add(g_after_254, factor_400, factor_617)),
-    );
-    let factor_619 = neg_mul_add(
-        factor_554,
-        factor_582,
-        mul_add(factor_526, factor_551, mul_add(g_after_332, factor_523, factor_618)),
-    );
-    let factor_620 = factor_619 * factor_588;
-    factors[387] = factor_620;
-    let factor_621 = mul_add(
-        g_after_125,
-        factor_187,
-        mul_add(factor_87, factor_98, mul_add(g_after_47, factor_75, j_567)),
-    );
-    let factor_622 = mul_add(
-        factor_316,
-        factor_328,
-        mul_add(g_after_203, factor_303, mul_add(factor_200, factor_212, factor_621)),
-    );
-    let factor_623 = mul_add(
-        g_after_359,
-        factor_542,
-        mul_add(factor_432, factor_444, mul_add(g_after_281, factor_419, factor_622)),
-    );
-    let factor_624 = 1.0
-        / mul_add(factor_563, factor_592, mul_add(factor_555, factor_568, factor_623));
-    factors[388] = factor_624;
-    let factor_625 = mul_add(
-        factor_316,
-        factor_333,
-        mul_add(factor_87, factor_102, factor_200 * factor_217),
-    );
-    let factor_626 = mul_add(
-        factor_563,
-        factor_598,
-        mul_add(factor_555, factor_573, mul_add(factor_432, factor_449, factor_625)),
-    );
-    let factor_627 = factor_626 * factor_624;
-    factors[393] = -factor_627;
-    let factor_628 = mul_add(factor_594, factor_627, factor_599);
-    factors[398] = factor_628;
-    let factor_629 = mul_add(factor_595, factor_627, factor_600);
-    factors[399] = factor_629;
-    let factor_630 = mul_add(factor_596, factor_627, factor_601);
-    factors[400] = factor_630;
-    let factor_631 = mul_add(
-        g_after_125,
-        factor_191,
-        mul_add(g_after_47, factor_78, factor_87 * factor_105),
-    );
-    let factor_632 = mul_add(
-        factor_316,
-        factor_337,
-        mul_add(g_after_203, factor_307, mul_add(factor_200, factor_221, factor_631)),
-    );
-    let factor_633 = mul_add(
-        g_after_359,
-        factor_546,
-        mul_add(factor_432, factor_453, mul_add(g_after_281, factor_423, factor_632)),
-    );
-    let factor_634 = mul_add(
-        factor_563,
-        factor_605,
-        mul_add(factor_555, factor_577, factor_633),
-    ) * factor_624;
-    factors[394] = factor_634;
-    let factor_635 = neg_mul_add(factor_595, factor_634, factor_606);
-    let factor_636 = neg_mul_add(factor_596, factor_634, factor_607);
-    let factor_637 = neg_mul_add(
-        g_after_125,
-        factor_194,
-        mul_add(factor_87, factor_108, neg_mul_add(g_after_47, factor_81, j_645)),
-    );
-    let factor_638 = mul_add(
-        factor_316,
-        factor_340,
-        neg_mul_add(g_after_203, factor_310, mul_add(factor_200, factor_224, factor_637)),
-    );
-    let factor_639 = neg_mul_add(
-        g_after_359,
-        factor_549,
-        mul_add(factor_432, factor_456, neg_mul_add(g_after_281, factor_426, factor_638)),
-    );
-    let factor_640 = neg_mul_add(
-        factor_563,
-        factor_613,
-        mul_add(factor_555, factor_580, factor_639),
-    ) * factor_624;
-    factors[395] = factor_640;
-    let factor_641 = neg_mul_add(factor_596, factor_640, factor_614);
-    let factor_642 = neg_mul_add(
-        g_after_125,
-        factor_196,
-        mul_add(factor_87, factor_110, neg_mul_add(g_after_47, factor_83, j_671)),
-    );
-    let factor_643 = mul_add(
-        factor_316,
-        factor_342,
-        neg_mul_add(g_after_203, factor_312, mul_add(factor_200, factor_226, factor_642)),
-    );
-    let factor_644 = neg_mul_add(
-        g_after_359,
-        factor_551,
-        mul_add(factor_432, factor_458, neg_mul_add(g_after_281, factor_428, factor_643)),
-    );
-    let factor_645 = neg_mul_add(
-        factor_563,
-        factor_620,
-        mul_add(factor_555, factor_582, factor_644),
-    ) * factor_624;
-    factors[396] = factor_645;
-    let factor_646 = mul_add(
-        g_after_230,
-        factor_333,
-        mul_add(g_after_152, factor_217, mul_add(g_after_74, factor_102, j_594)),
-    );
-    let factor_647 = mul_add(
-        factor_564,
-        factor_598,
-        mul_add(g_after_386, factor_573, mul_add(g_after_308, factor_449, factor_646)),
-    );
-    let factor_648 = 1.0 / neg_mul_add(factor_593, factor_627, factor_647);
-    factors[397] = factor_648;
-    let factor_649 = mul_add(
-        g_after_230,
-        factor_337,
-        mul_add(g_after_74, factor_105, g_after_152 * factor_221),
-    );
-    let factor_650 = mul_add(
-        factor_564,
-        factor_605,
-        mul_add(g_after_386, factor_577, mul_add(g_after_308, factor_453, factor_649)),
-    );
-    let factor_651 = mul_sub(factor_593, factor_634, factor_650) * factor_648;
-    factors[401] = factor_651;
-    let factor_652 = neg_mul_add(factor_629, factor_651, factor_635);
-    factors[405] = factor_652;
-    let factor_653 = neg_mul_add(factor_630, factor_651, factor_636);
-    factors[406] = factor_653;
-    let factor_654 = neg_mul_add(
-        g_after_230,
-        factor_340,
-        neg_mul_add(g_after_152, factor_224, neg_mul_add(g_after_74, factor_108, j_646)),
-    );
-    let factor_655 = mul_add(
-        factor_564,
-        factor_613,
-        neg_mul_add(
-            g_after_386,
-            factor_580,
-            neg_mul_add(g_after_308, factor_456, factor_654),
-        ),
-    );
-    let factor_656 = mul_add(factor_593, factor_640, factor_655) * factor_648;
-    factors[402] = factor_656;
-    let factor_657 = neg_mul_add(factor_630, factor_656, factor_641);
-    let factor_658 = neg_mul_add(
-        g_after_230,
-        factor_342,
-        neg_mul_add(g_after_152, factor_226, neg_mul_add(g_after_74, factor_110, j_672)),
-    );
-    let factor_659 = mul_add(
-        factor_564,
-        factor_620,
-        neg_mul_add(
-            g_after_386,
-            factor_582,
-            neg_mul_add(g_after_308, factor_458, factor_658),
-        ),
-    );
-    let factor_660 = mul_add(factor_593, factor_645, factor_659) * factor_648;
-    factors[403] = factor_660;
-    let factor_661 = mul_add(
-        g_after_127,
-        factor_191,
-        neg_mul_add(factor_88, factor_105, mul_add(g_after_49, factor_78, j_621)),
-    );
-    let factor_662 = neg_mul_add(
-        factor_317,
-        factor_337,
-        mul_add(g_after_205, factor_307, neg_mul_add(factor_201, factor_221, factor_661)),
-    );
-    let factor_663 = mul_add(
-        g_after_361,
-        factor_546,
-        neg_mul_add(factor_433, factor_453, mul_add(g_after_283, factor_423, factor_662)),
-    );
-    let factor_664 = neg_mul_add(
-        factor_594,
-        factor_634,
-        neg_mul_add(
-            factor_565,
-            factor_605,
-            neg_mul_add(factor_556, factor_577, factor_663),
-        ),
-    );
-    let factor_665 = 1.0 / neg_mul_add(factor_628, factor_651, factor_664);
-    factors[404] = factor_665;
-    let factor_666 = neg_mul_add(
-        g_after_127,
-        factor_194,
-        neg_mul_add(factor_88, factor_108, neg_mul_add(g_after_49, factor_81, j_647)),
-    );
-    let factor_667 = neg_mul_add(
-        factor_317,
-        factor_340,
-        neg_mul_add(
-            g_after_205,
-            factor_310,
-            neg_mul_add(factor_201, factor_224, factor_666),
-        ),
-    );
-    let factor_668 = neg_mul_add(
-        g_after_361,
-        factor_549,
-        neg_mul_add(
-            factor_433,
-            factor_456,
-            neg_mul_add(g_after_283, factor_426, factor_667),
-        ),
-    );
-    let factor_669 = neg_mul_add(
-        factor_594,
-        factor_640,
-        mul_add(factor_565, factor_613, neg_mul_add(factor_556, factor_580, factor_668)),
-    );
-    let factor_670 = neg_mul_add(factor_628, factor_656, factor_669) * factor_665;
-    factors[407] = factor_670;
-    let factor_671 = neg_mul_add(factor_653, factor_670, factor_657);
-    factors[410] = factor_671;
-    let factor_672 = neg_mul_add(
-        g_after_127,
-        factor_196,
-        neg_mul_add(factor_88, factor_110, neg_mul_add(g_after_49, factor_83, j_673)),
-    );
-    let factor_673 = neg_mul_add(
-        factor_317,
-        factor_342,
-        neg_mul_add(
-            g_after_205,
-            factor_312,
-            neg_mul_add(factor_201, factor_226, factor_672),
-        ),
-    );
-    let factor_674 = neg_mul_add(
-        g_after_361,
-        factor_551,
-        neg_mul_add(
-            factor_433,
-            factor_458,
-            neg_mul_add(g_after_283, factor_428, factor_673),
-        ),
-    );
-    let factor_675 = neg_mul_add(
-        factor_594,
-        factor_645,
-        mul_add(factor_565, factor_620, neg_mul_add(factor_556, factor_582, factor_674)),
-    );
-    let factor_676 = neg_mul_add(factor_628, factor_660, factor_675) * factor_665;
-    factors[408] = factor_676;
-    let factor_677 = neg_mul_add(
-        factor_89,
-        factor_108,
-        neg_mul_add(factor_62, factor_81, mul_add(g_after_24, factor_56, j_648)),
-    );
-    let factor_678 = neg_mul_add(
-        factor_202,
-        factor_224,
-        neg_mul_add(factor_172, factor_194, mul_add(g_after_102, factor_166, factor_677)),
-    );
-    let factor_679 = neg_mul_add(
-        factor_318,
-        factor_340,
-        neg_mul_add(factor_288, factor_310, mul_add(g_after_180, factor_282, factor_678)),
-    );
-    let factor_680 = neg_mul_add(
-        factor_434,
-        factor_456,
-        neg_mul_add(factor_404, factor_426, mul_add(g_after_258, factor_398, factor_679)),
-    );
-    let factor_681 = neg_mul_add(
-        factor_557,
-        factor_580,
-        neg_mul_add(factor_527, factor_549, mul_add(g_after_336, factor_521, factor_680)),
-    );
-    let factor_682 = neg_mul_add(
-        factor_629,
-        factor_656,
-        neg_mul_add(
-            factor_595,
-            factor_640,
-            neg_mul_add(factor_566, factor_613, factor_681),
-        ),
-    );
-    let factor_683 = 1.0 / neg_mul_add(factor_652, factor_670, factor_682);
-    factors[409] = factor_683;
-    let factor_684 = neg_mul_add(
-        factor_89,
-        factor_110,
-        neg_mul_add(factor_62, factor_83, mul_add(g_after_24, factor_58, j_674)),
-    );
-    let factor_685 = neg_mul_add(
-        factor_202,
-        factor_226,
-        neg_mul_add(factor_172, factor_196, mul_add(g_after_102, factor_168, factor_684)),
-    );
-    let factor_686 = neg_mul_add(
-        factor_318,
-        factor_342,
-        neg_mul_add(factor_288, factor_312, mul_add(g_after_180, factor_284, factor_685)),
-    );
-    let factor_687 = neg_mul_add(
-        factor_434,
-        factor_458,
-        neg_mul_add(factor_404, factor_428, mul_add(g_after_258, factor_400, factor_686)),
-    );
-    let factor_688 = neg_mul_add(
-        factor_557,
-        factor_582,
-        neg_mul_add(factor_527, factor_551, mul_add(g_after_336, factor_523, factor_687)),
-    );
-    let factor_689 = neg_mul_add(
-        factor_629,
-        factor_660,
-        neg_mul_add(
-            factor_595,
-            factor_645,
-            neg_mul_add(factor_566, factor_620, factor_688),
-        ),
-    );
-    let factor_690 = neg_mul_add(factor_652, factor_676, factor_689) * factor_683;
-    factors[411] = factor_690;
-    let factor_691 = neg_mul_add(
-        factor_90,
-        factor_110,
-        neg_mul_add(factor_63, factor_83, mul_add(g_after_25, factor_58, j_675)),
-    );
-    let factor_692 = neg_mul_add(
-        factor_203,
-        factor_226,
-        neg_mul_add(factor_173, factor_196, mul_add(g_after_103, factor_168, factor_691)),
-    );
-    let factor_693 = neg_mul_add(
-        factor_319,
-        factor_342,
-        neg_mul_add(factor_289, factor_312, mul_add(g_after_181, factor_284, factor_692)),
-    );
-    let factor_694 = neg_mul_add(
-        factor_435,
-        factor_458,
-        neg_mul_add(factor_405, factor_428, mul_add(g_after_259, factor_400, factor_693)),
-    );
-    let factor_695 = neg_mul_add(
-        factor_558,
-        factor_582,
-        neg_mul_add(factor_528, factor_551, mul_add(g_after_337, factor_523, factor_694)),
-    );
-    let factor_696 = neg_mul_add(
-        factor_630,
-        factor_660,
-        neg_mul_add(
-            factor_596,
-            factor_645,
-            neg_mul_add(factor_567, factor_620, factor_695),
-        ),
-    );
-    let factor_697 = 1.0
+    let factor_368 = neg_mul_add(factor_332, factor_338, factor_367);
+    let factor_369 = 1.0
         / neg_mul_add(
-            factor_671,
-            factor_690,
-            neg_mul_add(factor_653, factor_676, factor_696),
+            factor_359,
+            factor_366,
+            neg_mul_add(factor_344, factor_351, factor_368),
         );
-    factors[412] = factor_697;
-    let shrinkage_1 = max(max(1.0, abs(j_27 * factor_16)), abs(j_54 * factor_30));
+    factors[364] = factor_369;
+    let factor_370 = neg_mul_add(g_after_332, factor_351, factor_355 * factor_366);
+    factors[365] = factor_370;
+    let factor_371 = g_after_359 * factor_366;
+    factors[366] = -factor_371;
+    factors[367] = g_after_386;
+    let factor_372 = neg_mul_add(g_after_361, factor_366, g_after_387);
+    factors[368] = factor_372;
+    let factor_373 = neg_mul_add(
+        factor_356,
+        factor_366,
+        neg_mul_add(g_after_336, factor_351, g_after_388),
+    );
+    factors[369] = factor_373;
+    let factor_374 = neg_mul_add(
+        factor_357,
+        factor_366,
+        neg_mul_add(g_after_337, factor_351, g_after_389),
+    );
+    factors[370] = factor_374;
+    let factor_375 = mul_sub(factor_344, factor_345, factor_359 * factor_360)
+        * factor_369;
+    factors[371] = factor_375;
+    let factor_376 = factor_359 * factor_361 * factor_369;
+    factors[372] = factor_376;
+    let factor_377 = g_before_386 * factor_369;
+    factors[373] = -factor_377;
+    let factor_378 = mul_sub(factor_359, factor_362, g_before_387) * factor_369;
+    factors[374] = factor_378;
+    let factor_379 = neg_mul_add(
+        factor_359,
+        factor_363,
+        mul_sub(factor_344, factor_346, g_before_388),
+    ) * factor_369;
+    factors[375] = factor_379;
+    let factor_380 = neg_mul_add(
+        factor_359,
+        factor_364,
+        mul_sub(factor_344, factor_347, g_before_389),
+    ) * factor_369;
+    factors[376] = factor_380;
+    let factor_381 = neg_mul_add(
+        factor_65,
+        factor_70,
+        mul_add(factor_51, factor_56, mul_add(g_after_20, factor_41, j_540)),
+    );
+    let factor_382 = neg_mul_add(
+        factor_140,
+        factor_145,
+        mul_add(factor_126, factor_131, mul_add(g_after_98, factor_116, factor_381)),
+    );
+    let factor_383 = neg_mul_add(
+        factor_215,
+        factor_220,
+        mul_add(factor_201, factor_206, mul_add(g_after_176, factor_191, factor_382)),
+    );
+    let factor_384 = neg_mul_add(
+        factor_290,
+        factor_295,
+        mul_add(factor_276, factor_281, mul_add(g_after_254, factor_266, factor_383)),
+    );
+    let factor_385 = neg_mul_add(
+        factor_370,
+        factor_375,
+        mul_add(factor_355, factor_360, mul_add(g_after_332, factor_345, factor_384)),
+    );
+    let factor_386 = 1.0 / factor_385;
+    factors[377] = factor_386;
+    let factor_387 = neg_mul_add(
+        g_after_125,
+        factor_131,
+        neg_mul_add(g_after_47, factor_56, factor_66 * factor_70),
+    );
+    let factor_388 = mul_add(
+        factor_216,
+        factor_220,
+        neg_mul_add(g_after_203, factor_206, mul_add(factor_141, factor_145, factor_387)),
+    );
+    let factor_389 = neg_mul_add(
+        g_after_359,
+        factor_360,
+        mul_add(factor_291, factor_295, neg_mul_add(g_after_281, factor_281, factor_388)),
+    );
+    let factor_390 = mul_add(factor_371, factor_375, factor_389);
+    factors[378] = factor_390;
+    let factor_391 = mul_add(
+        g_after_230,
+        factor_220,
+        mul_add(g_after_74, factor_70, g_after_152 * factor_145),
+    );
+    let factor_392 = mul_add(
+        g_after_386,
+        factor_375,
+        mul_add(g_after_308, factor_295, factor_391),
+    );
+    factors[379] = -factor_392;
+    let factor_393 = mul_add(
+        g_after_127,
+        factor_131,
+        mul_add(g_after_49, factor_56, factor_67 * factor_70),
+    );
+    let factor_394 = mul_add(
+        factor_217,
+        factor_220,
+        mul_add(g_after_205, factor_206, mul_add(factor_142, factor_145, factor_393)),
+    );
+    let factor_395 = mul_add(
+        g_after_361,
+        factor_360,
+        mul_add(factor_292, factor_295, mul_add(g_after_283, factor_281, factor_394)),
+    );
+    let factor_396 = mul_add(factor_372, factor_375, factor_395);
+    factors[380] = -factor_396;
+    let factor_397 = neg_mul_add(
+        factor_68,
+        factor_70,
+        neg_mul_add(factor_52, factor_56, mul_add(g_after_24, factor_41, j_544)),
+    );
+    let factor_398 = neg_mul_add(
+        factor_143,
+        factor_145,
+        neg_mul_add(factor_127, factor_131, mul_add(g_after_102, factor_116, factor_397)),
+    );
+    let factor_399 = neg_mul_add(
+        factor_218,
+        factor_220,
+        neg_mul_add(factor_202, factor_206, mul_add(g_after_180, factor_191, factor_398)),
+    );
+    let factor_400 = neg_mul_add(
+        factor_293,
+        factor_295,
+        neg_mul_add(factor_277, factor_281, mul_add(g_after_258, factor_266, factor_399)),
+    );
+    let factor_401 = neg_mul_add(
+        factor_373,
+        factor_375,
+        neg_mul_add(factor_356, factor_360, mul_add(g_after_336, factor_345, factor_400)),
+    );
+    factors[381] = factor_401;
+    let factor_402 = neg_mul_add(
+        factor_69,
+        factor_70,
+        neg_mul_add(factor_53, factor_56, mul_add(g_after_25, factor_41, j_545)),
+    );
+    let factor_403 = neg_mul_add(
+        factor_144,
+        factor_145,
+        neg_mul_add(factor_128, factor_131, mul_add(g_after_103, factor_116, factor_402)),
+    );
+    let factor_404 = neg_mul_add(
+        factor_219,
+        factor_220,
+        neg_mul_add(factor_203, factor_206, mul_add(g_after_181, factor_191, factor_403)),
+    );
+    let factor_405 = neg_mul_add(
+        factor_294,
+        factor_295,
+        neg_mul_add(factor_278, factor_281, mul_add(g_after_259, factor_266, factor_404)),
+    );
+    let factor_406 = neg_mul_add(
+        factor_374,
+        factor_375,
+        neg_mul_add(factor_357, factor_360, mul_add(g_after_337, factor_345, factor_405)),
+    );
+    factors[382] = factor_406;
+    let factor_407 = mul_add(
+        factor_126,
+        factor_132,
+        mul_add(factor_51, factor_57, factor_65 * factor_71),
+    );
+    let factor_408 = mul_add(
+        factor_215,
+        factor_221,
+        mul_add(factor_201, factor_207, mul_add(factor_140, factor_146, factor_407)),
+    );
+    let factor_409 = mul_add(
+        factor_355,
+        factor_361,
+        mul_add(factor_290, factor_296, mul_add(factor_276, factor_282, factor_408)),
+    );
+    let factor_410 = mul_add(factor_370, factor_376, factor_409) * factor_386;
+    factors[383] = -factor_410;
+    let factor_411 = mul_add(
+        factor_215,
+        factor_222,
+        mul_add(factor_65, factor_72, factor_140 * factor_147),
+    );
+    let factor_412 = mul_add(
+        factor_370,
+        factor_377,
+        mul_add(factor_290, factor_297, factor_411),
+    ) * factor_386;
+    factors[384] = factor_412;
+    let factor_413 = mul_add(
+        factor_126,
+        factor_133,
+        mul_add(factor_51, factor_58, factor_65 * factor_73),
+    );
+    let factor_414 = mul_add(
+        factor_215,
+        factor_223,
+        mul_add(factor_201, factor_208, mul_add(factor_140, factor_148, factor_413)),
+    );
+    let factor_415 = mul_add(
+        factor_355,
+        factor_362,
+        mul_add(factor_290, factor_298, mul_add(factor_276, factor_283, factor_414)),
+    );
+    let factor_416 = mul_add(factor_370, factor_378, factor_415) * factor_386;
+    factors[385] = -factor_416;
+    let factor_417 = neg_mul_add(
+        factor_65,
+        factor_74,
+        mul_add(factor_51, factor_59, mul_add(g_after_20, factor_42, j_644)),
+    );
+    let factor_418 = neg_mul_add(
+        factor_140,
+        factor_149,
+        mul_add(factor_126, factor_134, mul_add(g_after_98, factor_117, factor_417)),
+    );
+    let factor_419 = neg_mul_add(
+        factor_215,
+        factor_224,
+        mul_add(factor_201, factor_209, mul_add(g_after_176, factor_192, factor_418)),
+    );
+    let factor_420 = neg_mul_add(
+        factor_290,
+        factor_299,
+        mul_add(factor_276, factor_284, mul_add(g_after_254, factor_267, factor_419)),
+    );
+    let factor_421 = neg_mul_add(
+        factor_370,
+        factor_379,
+        mul_add(factor_355, factor_363, mul_add(g_after_332, factor_346, factor_420)),
+    );
+    let factor_422 = factor_421 * factor_386;
+    factors[386] = factor_422;
+    let factor_423 = neg_mul_add(
+        factor_65,
+        factor_75,
+        mul_add(factor_51, factor_60, mul_add(g_after_20, factor_43, j_670)),
+    );
+    let factor_424 = neg_mul_add(
+        factor_140,
+        factor_150,
+        mul_add(factor_126, factor_135, mul_add(g_after_98, factor_118, factor_423)),
+    );
+    let factor_425 = neg_mul_add(
+        factor_215,
+        factor_225,
+        mul_add(factor_201, factor_210, mul_add(g_after_176, factor_193, factor_424)),
+    );
+    let factor_426 = neg_mul_add(
+        factor_290,
+        factor_300,
+        mul_add(factor_276, factor_285, mul_add(g_after_254, factor_268, factor_425)),
+    );
+    let factor_427 = neg_mul_add(
+        factor_370,
+        factor_380,
+        mul_add(factor_355, factor_364, mul_add(g_after_332, factor_347, factor_426)),
+    );
+    let factor_428 = factor_427 * factor_386;
+    factors[387] = factor_428;
+    let factor_429 = mul_add(
+        g_after_125,
+        factor_132,
+        mul_add(factor_66, factor_71, mul_add(g_after_47, factor_57, j_567)),
+    );
+    let factor_430 = mul_add(
+        factor_216,
+        factor_221,
+        mul_add(g_after_203, factor_207, mul_add(factor_141, factor_146, factor_429)),
+    );
+    let factor_431 = mul_add(
+        g_after_359,
+        factor_361,
+        mul_add(factor_291, factor_296, mul_add(g_after_281, factor_282, factor_430)),
+    );
+    let factor_432 = 1.0
+        / mul_add(factor_390, factor_410, mul_add(factor_371, factor_376, factor_431));
+    factors[388] = factor_432;
+    let factor_433 = mul_add(
+        g_after_230,
+        factor_221,
+        mul_add(g_after_74, factor_71, g_after_152 * factor_146),
+    );
+    let factor_434 = mul_add(
+        factor_392,
+        factor_410,
+        mul_add(g_after_386, factor_376, mul_add(g_after_308, factor_296, factor_433)),
+    );
+    factors[389] = -factor_434;
+    let factor_435 = mul_add(
+        g_after_127,
+        factor_132,
+        mul_sub(g_after_49, factor_57, factor_67 * factor_71),
+    );
+    let factor_436 = neg_mul_add(
+        factor_217,
+        factor_221,
+        mul_add(g_after_205, factor_207, neg_mul_add(factor_142, factor_146, factor_435)),
+    );
+    let factor_437 = mul_add(
+        g_after_361,
+        factor_361,
+        neg_mul_add(factor_292, factor_296, mul_add(g_after_283, factor_282, factor_436)),
+    );
+    let factor_438 = neg_mul_add(
+        factor_396,
+        factor_410,
+        neg_mul_add(factor_372, factor_376, factor_437),
+    );
+    factors[390] = factor_438;
+    let factor_439 = mul_add(
+        factor_127,
+        factor_132,
+        neg_mul_add(factor_68, factor_71, mul_add(factor_52, factor_57, j_570)),
+    );
+    let factor_440 = neg_mul_add(
+        factor_218,
+        factor_221,
+        mul_add(factor_202, factor_207, neg_mul_add(factor_143, factor_146, factor_439)),
+    );
+    let factor_441 = mul_add(
+        factor_356,
+        factor_361,
+        neg_mul_add(factor_293, factor_296, mul_add(factor_277, factor_282, factor_440)),
+    );
+    let factor_442 = mul_add(
+        factor_401,
+        factor_410,
+        neg_mul_add(factor_373, factor_376, factor_441),
+    );
+    factors[391] = factor_442;
+    let factor_443 = mul_add(
+        factor_128,
+        factor_132,
+        neg_mul_add(factor_69, factor_71, mul_add(factor_53, factor_57, j_571)),
+    );
+    let factor_444 = neg_mul_add(
+        factor_219,
+        factor_221,
+        mul_add(factor_203, factor_207, neg_mul_add(factor_144, factor_146, factor_443)),
+    );
+    let factor_445 = mul_add(
+        factor_357,
+        factor_361,
+        neg_mul_add(factor_294, factor_296, mul_add(factor_278, factor_282, factor_444)),
+    );
+    let factor_446 = mul_add(
+        factor_406,
+        factor_410,
+        neg_mul_add(factor_374, factor_376, factor_445),
+    );
+    factors[392] = factor_446;
+    let factor_447 = mul_add(
+        factor_216,
+        factor_222,
+        mul_add(factor_66, factor_72, factor_141 * factor_147),
+    );
+    let factor_448 = mul_add(
+        factor_390,
+        factor_412,
+        mul_add(factor_371, factor_377, mul_add(factor_291, factor_297, factor_447)),
+    );
+    let factor_449 = factor_448 * factor_432;
+    factors[393] = -factor_449;
+    let factor_450 = mul_add(
+        g_after_125,
+        factor_133,
+        mul_add(g_after_47, factor_58, factor_66 * factor_73),
+    );
+    let factor_451 = mul_add(
+        factor_216,
+        factor_223,
+        mul_add(g_after_203, factor_208, mul_add(factor_141, factor_148, factor_450)),
+    );
+    let factor_452 = mul_add(
+        g_after_359,
+        factor_362,
+        mul_add(factor_291, factor_298, mul_add(g_after_281, factor_283, factor_451)),
+    );
+    let factor_453 = mul_add(
+        factor_390,
+        factor_416,
+        mul_add(factor_371, factor_378, factor_452),
+    ) * factor_432;
+    factors[394] = factor_453;
+    let factor_454 = neg_mul_add(
+        g_after_125,
+        factor_134,
+        mul_add(factor_66, factor_74, neg_mul_add(g_after_47, factor_59, j_645)),
+    );
+    let factor_455 = mul_add(
+        factor_216,
+        factor_224,
+        neg_mul_add(g_after_203, factor_209, mul_add(factor_141, factor_149, factor_454)),
+    );
+    let factor_456 = neg_mul_add(
+        g_after_359,
+        factor_363,
+        mul_add(factor_291, factor_299, neg_mul_add(g_after_281, factor_284, factor_455)),
+    );
+    let factor_457 = neg_mul_add(
+        factor_390,
+        factor_422,
+        mul_add(factor_371, factor_379, factor_456),
+    ) * factor_432;
+    factors[395] = factor_457;
+    let factor_458 = neg_mul_add(
+        g_after_125,
+        factor_135,
+        mul_add(factor_66, factor_75, neg_mul_add(g_after_47, factor_60, j_671)),
+    );
+    let factor_459 = mul_add(
+        factor_216,
+        factor_225,
+        neg_mul_add(g_after_203, factor_210, mul_add(factor_141, factor_150, factor_458)),
+    );
+    let factor_460 = neg_mul_add(
+        g_after_359,
+        factor_364,
+        mul_add(factor_291, factor_300, neg_mul_add(g_after_281, factor_285, factor_459)),
+    );
+    let factor_461 = neg_mul_add(
+        factor_390,
+        factor_428,
+        mul_add(factor_371, factor_380, factor_460),
+    ) * factor_432;
+    factors[396] = factor_461;
+    let factor_462 = mul_add(
+        g_after_230,
+        factor_222,
+        mul_add(g_after_152, factor_147, mul_add(g_after_74, factor_72, j_594)),
+    );
+    let factor_463 = mul_add(
+        factor_392,
+        factor_412,
+        mul_add(g_after_386, factor_377, mul_add(g_after_308, factor_297, factor_462)),
+    );
+    let factor_464 = 1.0 / neg_mul_add(factor_434, factor_449, factor_463);
+    factors[397] = factor_464;
+    let factor_465 = mul_add(
+        factor_217,
+        factor_222,
+        mul_add(factor_67, factor_72, factor_142 * factor_147),
+    );
+    let factor_466 = mul_add(
+        factor_396,
+        factor_412,
+        mul_add(factor_372, factor_377, mul_add(factor_292, factor_297, factor_465)),
+    );
+    let factor_467 = mul_add(factor_438, factor_449, factor_466);
+    factors[398] = factor_467;
+    let factor_468 = mul_add(
+        factor_218,
+        factor_222,
+        mul_add(factor_143, factor_147, mul_add(factor_68, factor_72, j_596)),
+    );
+    let factor_469 = neg_mul_add(
+        factor_401,
+        factor_412,
+        mul_add(factor_373, factor_377, mul_add(factor_293, factor_297, factor_468)),
+    );
+    let factor_470 = mul_add(factor_442, factor_449, factor_469);
+    factors[399] = factor_470;
+    let factor_471 = mul_add(
+        factor_219,
+        factor_222,
+        mul_add(factor_144, factor_147, mul_add(factor_69, factor_72, j_597)),
+    );
+    let factor_472 = neg_mul_add(
+        factor_406,
+        factor_412,
+        mul_add(factor_374, factor_377, mul_add(factor_294, factor_297, factor_471)),
+    );
+    let factor_473 = mul_add(factor_446, factor_449, factor_472);
+    factors[400] = factor_473;
+    let factor_474 = mul_add(
+        g_after_230,
+        factor_223,
+        mul_add(g_after_74, factor_73, g_after_152 * factor_148),
+    );
+    let factor_475 = mul_add(
+        factor_392,
+        factor_416,
+        mul_add(g_after_386, factor_378, mul_add(g_after_308, factor_298, factor_474)),
+    );
+    let factor_476 = mul_sub(factor_434, factor_453, factor_475) * factor_464;
+    factors[401] = factor_476;
+    let factor_477 = neg_mul_add(
+        g_after_230,
+        factor_224,
+        neg_mul_add(g_after_152, factor_149, neg_mul_add(g_after_74, factor_74, j_646)),
+    );
+    let factor_478 = mul_add(
+        factor_392,
+        factor_422,
+        neg_mul_add(
+            g_after_386,
+            factor_379,
+            neg_mul_add(g_after_308, factor_299, factor_477),
+        ),
+    );
+    let factor_479 = mul_add(factor_434, factor_457, factor_478) * factor_464;
+    factors[402] = factor_479;
+    let factor_480 = neg_mul_add(
+        g_after_230,
+        factor_225,
+        neg_mul_add(g_after_152, factor_150, neg_mul_add(g_after_74, factor_75, j_672)),
+    );
+    let factor_481 = mul_add(
+        factor_392,
+        factor_428,
+        neg_mul_add(
+            g_after_386,
+            factor_380,
+            neg_mul_add(g_after_308, factor_300, factor_480),
+        ),
+    );
+    let factor_482 = mul_add(factor_434, factor_461, factor_481) * factor_464;
+    factors[403] = factor_482;
+    let factor_483 = mul_add(
+        g_after_127,
+        factor_133,
+        neg_mul_add(factor_67, factor_73, mul_add(g_after_49, factor_58, j_621)),
+    );
+    let factor_484 = neg_mul_add(
+        factor_217,
+        factor_223,
+        mul_add(g_after_205, factor_208, neg_mul_add(factor_142, factor_148, factor_483)),
+    );
+    let factor_485 = mul_add(
+        g_after_361,
+        factor_362,
+        neg_mul_add(factor_292, factor_298, mul_add(g_after_283, factor_283, factor_484)),
+    );
+    let factor_486 = neg_mul_add(
+        factor_438,
+        factor_453,
+        neg_mul_add(
+            factor_396,
+            factor_416,
+            neg_mul_add(factor_372, factor_378, factor_485),
+        ),
+    );
+    let factor_487 = 1.0 / neg_mul_add(factor_467, factor_476, factor_486);
+    factors[404] = factor_487;
+    let factor_488 = mul_add(
+        factor_127,
+        factor_133,
+        neg_mul_add(factor_68, factor_73, mul_add(factor_52, factor_58, j_622)),
+    );
+    let factor_489 = neg_mul_add(
+        factor_218,
+        factor_223,
+        mul_add(factor_202, factor_208, neg_mul_add(factor_143, factor_148, factor_488)),
+    );
+    let factor_490 = mul_add(
+        factor_356,
+        factor_362,
+        neg_mul_add(factor_293, factor_298, mul_add(factor_277, factor_283, factor_489)),
+    );
+    let factor_491 = neg_mul_add(
+        factor_442,
+        factor_453,
+        mul_add(factor_401, factor_416, neg_mul_add(factor_373, factor_378, factor_490)),
+    );
+    let factor_492 = neg_mul_add(factor_470, factor_476, factor_491);
+    factors[405] = factor_492;
+    let factor_493 = mul_add(
+        factor_128,
+        factor_133,
+        neg_mul_add(factor_69, factor_73, mul_add(factor_53, factor_58, j_623)),
+    );
+    let factor_494 = neg_mul_add(
+        factor_219,
+        factor_223,
+        mul_add(factor_203, factor_208, neg_mul_add(factor_144, factor_148, factor_493)),
+    );
+    let factor_495 = mul_add(
+        factor_357,
+        factor_362,
+        neg_mul_add(factor_294, factor_298, mul_add(factor_278, factor_283, factor_494)),
+    );
+    let factor_496 = neg_mul_add(
+        factor_446,
+        factor_453,
+        mul_add(factor_406, factor_416, neg_mul_add(factor_374, factor_378, factor_495)),
+    );
+    let factor_497 = neg_mul_add(factor_473, factor_476, factor_496);
+    factors[406] = factor_497;
+    let factor_498 = neg_mul_add(
+        g_after_127,
+        factor_134,
+        neg_mul_add(factor_67, factor_74, neg_mul_add(g_after_49, factor_59, j_647)),
+    );
+    let factor_499 = neg_mul_add(
+        factor_217,
+        factor_224,
+        neg_mul_add(
+            g_after_205,
+            factor_209,
+            neg_mul_add(factor_142, factor_149, factor_498),
+        ),
+    );
+    let factor_500 = neg_mul_add(
+        g_after_361,
+        factor_363,
+        neg_mul_add(
+            factor_292,
+            factor_299,
+            neg_mul_add(g_after_283, factor_284, factor_499),
+        ),
+    );
+    let factor_501 = neg_mul_add(
+        factor_438,
+        factor_457,
+        mul_add(factor_396, factor_422, neg_mul_add(factor_372, factor_379, factor_500)),
+    );
+    let factor_502 = neg_mul_add(factor_467, factor_479, factor_501) * factor_487;
+    factors[407] = factor_502;
+    let factor_503 = neg_mul_add(
+        g_after_127,
+        factor_135,
+        neg_mul_add(factor_67, factor_75, neg_mul_add(g_after_49, factor_60, j_673)),
+    );
+    let factor_504 = neg_mul_add(
+        factor_217,
+        factor_225,
+        neg_mul_add(
+            g_after_205,
+            factor_210,
+            neg_mul_add(factor_142, factor_150, factor_503),
+        ),
+    );
+    let factor_505 = neg_mul_add(
+        g_after_361,
+        factor_364,
+        neg_mul_add(
+            factor_292,
+            factor_300,
+            neg_mul_add(g_after_283, factor_285, factor_504),
+        ),
+    );
+    let factor_506 = neg_mul_add(
+        factor_438,
+        factor_461,
+        mul_add(factor_396, factor_428, neg_mul_add(factor_372, factor_380, factor_505)),
+    );
+    let factor_507 = neg_mul_add(factor_467, factor_482, factor_506) * factor_487;
+    factors[408] = factor_507;
+    let factor_508 = neg_mul_add(
+        factor_68,
+        factor_74,
+        neg_mul_add(factor_52, factor_59, mul_add(g_after_24, factor_42, j_648)),
+    );
+    let factor_509 = neg_mul_add(
+        factor_143,
+        factor_149,
+        neg_mul_add(factor_127, factor_134, mul_add(g_after_102, factor_117, factor_508)),
+    );
+    let factor_510 = neg_mul_add(
+        factor_218,
+        factor_224,
+        neg_mul_add(factor_202, factor_209, mul_add(g_after_180, factor_192, factor_509)),
+    );
+    let factor_511 = neg_mul_add(
+        factor_293,
+        factor_299,
+        neg_mul_add(factor_277, factor_284, mul_add(g_after_258, factor_267, factor_510)),
+    );
+    let factor_512 = neg_mul_add(
+        factor_373,
+        factor_379,
+        neg_mul_add(factor_356, factor_363, mul_add(g_after_336, factor_346, factor_511)),
+    );
+    let factor_513 = neg_mul_add(
+        factor_470,
+        factor_479,
+        neg_mul_add(
+            factor_442,
+            factor_457,
+            neg_mul_add(factor_401, factor_422, factor_512),
+        ),
+    );
+    let factor_514 = 1.0 / neg_mul_add(factor_492, factor_502, factor_513);
+    factors[409] = factor_514;
+    let factor_515 = neg_mul_add(
+        factor_69,
+        factor_74,
+        neg_mul_add(factor_53, factor_59, mul_add(g_after_25, factor_42, j_649)),
+    );
+    let factor_516 = neg_mul_add(
+        factor_144,
+        factor_149,
+        neg_mul_add(factor_128, factor_134, mul_add(g_after_103, factor_117, factor_515)),
+    );
+    let factor_517 = neg_mul_add(
+        factor_219,
+        factor_224,
+        neg_mul_add(factor_203, factor_209, mul_add(g_after_181, factor_192, factor_516)),
+    );
+    let factor_518 = neg_mul_add(
+        factor_294,
+        factor_299,
+        neg_mul_add(factor_278, factor_284, mul_add(g_after_259, factor_267, factor_517)),
+    );
+    let factor_519 = neg_mul_add(
+        factor_374,
+        factor_379,
+        neg_mul_add(factor_357, factor_363, mul_add(g_after_337, factor_346, factor_518)),
+    );
+    let factor_520 = neg_mul_add(
+        factor_473,
+        factor_479,
+        neg_mul_add(
+            factor_446,
+            factor_457,
+            neg_mul_add(factor_406, factor_422, factor_519),
+        ),
+    );
+    let factor_521 = neg_mul_add(factor_497, factor_502, factor_520);
+    factors[410] = factor_521;
+    let factor_522 = neg_mul_add(
+        factor_68,
+        factor_75,
+        neg_mul_add(factor_52, factor_60, mul_add(g_after_24, factor_43, j_674)),
+    );
+    let factor_523 = neg_mul_add(
+        factor_143,
+        factor_150,
+        neg_mul_add(factor_127, factor_135, mul_add(g_after_102, factor_118, factor_522)),
+    );
+    let factor_524 = neg_mul_add(
+        factor_218,
+        factor_225,
+        neg_mul_add(factor_202, factor_210, mul_add(g_after_180, factor_193, factor_523)),
+    );
+    let factor_525 = neg_mul_add(
+        factor_293,
+        factor_300,
+        neg_mul_add(factor_277, factor_285, mul_add(g_after_258, factor_268, factor_524)),
+    );
+    let factor_526 = neg_mul_add(
+        factor_373,
+        factor_380,
+        neg_mul_add(factor_356, factor_364, mul_add(g_after_336, factor_347, factor_525)),
+    );
+    let factor_527 = neg_mul_add(
+        factor_470,
+        factor_482,
+        neg_mul_add(
+            factor_442,
+            factor_461,
+            neg_mul_add(factor_401, factor_428, factor_526),
+        ),
+    );
+    let factor_528 = neg_mul_add(factor_492, factor_507, factor_527) * factor_514;
+    factors[411] = factor_528;
+    let factor_529 = neg_mul_add(
+        factor_69,
+        factor_75,
+        neg_mul_add(factor_53, factor_60, mul_add(g_after_25, factor_43, j_675)),
+    );
+    let factor_530 = neg_mul_add(
+        factor_144,
+        factor_150,
+        neg_mul_add(factor_128, factor_135, mul_add(g_after_103, factor_118, factor_529)),
+    );
+    let factor_531 = neg_mul_add(
+        factor_219,
+        factor_225,
+        neg_mul_add(factor_203, factor_210, mul_add(g_after_181, factor_193, factor_530)),
+    );
+    let factor_532 = neg_mul_add(
+        factor_294,
+        factor_300,
+        neg_mul_add(factor_278, factor_285, mul_add(g_after_259, factor_268, factor_531)),
+    );
+    let factor_533 = neg_mul_add(
+        factor_374,
+        factor_380,
+        neg_mul_add(factor_357, factor_364, mul_add(g_after_337, factor_347, factor_532)),
+    );
+    let factor_534 = neg_mul_add(
+        factor_473,
+        factor_482,
+        neg_mul_add(
+            factor_446,
+            factor_461,
+            neg_mul_add(factor_406, factor_428, factor_533),
+        ),
+    );
+    let factor_535 = 1.0
+        / neg_mul_add(
+            factor_521,
+            factor_528,
+            neg_mul_add(factor_497, factor_507, factor_534),
+        );
+    factors[412] = factor_535;
+    let shrinkage_1 = max(max(1.0, abs(j_27 * factor_7)), abs(j_54 * factor_17));
     let shrinkage_2 = max(
-        max(shrinkage_1, abs(j_81 * factor_42)),
-        abs(factor_70 * factor_71),
+        max(shrinkage_1, abs(j_81 * factor_27)),
+        abs(factor_49 * factor_50),
     );
     let shrinkage_3 = max(
-        max(shrinkage_2, abs(factor_91 * factor_92)),
-        abs(j_135 * factor_126),
+        max(shrinkage_2, abs(factor_63 * factor_64)),
+        abs(j_135 * factor_82),
     );
     let shrinkage_4 = max(
-        max(shrinkage_3, abs(j_162 * factor_140)),
-        abs(j_189 * factor_152),
+        max(shrinkage_3, abs(j_162 * factor_92)),
+        abs(j_189 * factor_102),
     );
     let shrinkage_5 = max(
-        max(shrinkage_4, abs(factor_180 * factor_181)),
-        abs(factor_204 * factor_205),
+        max(shrinkage_4, abs(factor_124 * factor_125)),
+        abs(factor_138 * factor_139),
     );
     let shrinkage_6 = max(
-        max(shrinkage_5, abs(j_243 * factor_242)),
-        abs(j_270 * factor_256),
+        max(shrinkage_5, abs(j_243 * factor_157)),
+        abs(j_270 * factor_167),
     );
     let shrinkage_7 = max(
-        max(shrinkage_6, abs(j_297 * factor_268)),
-        abs(factor_296 * factor_297),
+        max(shrinkage_6, abs(j_297 * factor_177)),
+        abs(factor_199 * factor_200),
     );
     let shrinkage_8 = max(
-        max(shrinkage_7, abs(factor_320 * factor_321)),
-        abs(j_351 * factor_358),
+        max(shrinkage_7, abs(factor_213 * factor_214)),
+        abs(j_351 * factor_232),
     );
     let shrinkage_9 = max(
-        max(shrinkage_8, abs(j_378 * factor_372)),
-        abs(j_405 * factor_384),
+        max(shrinkage_8, abs(j_378 * factor_242)),
+        abs(j_405 * factor_252),
     );
     let shrinkage_10 = max(
-        max(shrinkage_9, abs(factor_412 * factor_413)),
-        abs(factor_436 * factor_437),
+        max(shrinkage_9, abs(factor_274 * factor_275)),
+        abs(factor_288 * factor_289),
     );
     let shrinkage_11 = max(
-        max(shrinkage_10, abs(j_459 * factor_478)),
-        abs(j_486 * factor_494),
+        max(shrinkage_10, abs(j_459 * factor_308)),
+        abs(j_486 * factor_319),
     );
     let shrinkage_12 = max(
-        max(shrinkage_11, abs(j_513 * factor_506)),
-        abs(factor_535 * factor_536),
+        max(shrinkage_11, abs(j_513 * factor_329)),
+        abs(factor_353 * factor_354),
     );
     let shrinkage_13 = max(
-        max(shrinkage_12, abs(factor_560 * factor_561)),
-        abs(j_540 * factor_588),
+        max(shrinkage_12, abs(factor_368 * factor_369)),
+        abs(j_540 * factor_386),
     );
     let shrinkage_14 = max(
-        max(shrinkage_13, abs(j_567 * factor_624)),
-        abs(j_594 * factor_648),
+        max(shrinkage_13, abs(j_567 * factor_432)),
+        abs(j_594 * factor_464),
     );
     let shrinkage_15 = max(
-        max(shrinkage_14, abs(j_621 * factor_665)),
-        abs(j_648 * factor_683),
+        max(shrinkage_14, abs(j_621 * factor_487)),
+        abs(j_648 * factor_514),
     );
-    max(shrinkage_15, abs(j_675 * factor_697))
+    max(shrinkage_15, abs(j_675 * factor_535))
 }
 
 /// Solves Jδ − G₀ᵀμ = −r and G₁δ = −c for the step δ and the change μ of the multipliers.
@@ -4301,29 +4603,24 @@ pub fn solve(
         factor_411,
         neg_mul_add(step_68, factor_408, step_75),
     ) * factor_412;
-    step[coordinate::BALL_RZ] = step_76;
     let step_77 = neg_mul_add(step_76, factor_410, step_69) * factor_409;
-    step[coordinate::BALL_RY] = step_77;
     let step_78 = neg_mul_add(
         step_76,
         factor_406,
         neg_mul_add(step_77, factor_405, step_68),
     ) * factor_404;
-    step[coordinate::BALL_RX] = step_78;
     let step_79 = neg_mul_add(
         step_76,
         factor_400,
         neg_mul_add(step_77, factor_399, neg_mul_add(step_78, factor_398, step_62)),
     );
     let step_80 = step_79 * factor_397;
-    step[coordinate::BALL_TZ] = step_80;
     let step_81 = neg_mul_add(
         step_77,
         factor_391,
         neg_mul_add(step_78, factor_390, neg_mul_add(step_80, factor_389, step_59)),
     );
     let step_82 = neg_mul_add(step_76, factor_392, step_81) * factor_388;
-    step[coordinate::BALL_TY] = step_82;
     let step_83 = neg_mul_add(
         step_78,
         factor_380,
@@ -4334,354 +4631,347 @@ pub fn solve(
         factor_382,
         neg_mul_add(step_77, factor_381, step_83),
     ) * factor_377;
-    step[coordinate::BALL_TX] = step_84;
-    let change_1 = neg_mul_add(
+    let step_85 = mul_add(
         step_80,
-        factor_367,
-        neg_mul_add(step_82, factor_366, neg_mul_add(step_84, factor_365, step_49)),
+        factor_65,
+        mul_add(step_82, factor_64, mul_add(step_84, factor_63, step_9_2)),
     );
-    let change_2_2 = neg_mul_add(
+    let step_86 = mul_add(
         step_76,
-        factor_370,
-        neg_mul_add(step_77, factor_369, neg_mul_add(step_78, factor_368, change_1)),
+        factor_68,
+        mul_add(step_77, factor_67, mul_add(step_78, factor_66, step_85)),
     );
-    let change_3_2 = change_2_2 * factor_364;
-    change[row::THUMB_PIN_Z] = change_3_2;
-    let change_4_2 = neg_mul_add(
+    let step_87 = step_86 * factor_62;
+    let step_88 = neg_mul_add(
         step_78,
-        factor_354,
-        neg_mul_add(step_82, factor_353, neg_mul_add(step_84, factor_352, step_47)),
+        factor_52,
+        neg_mul_add(step_82, factor_51, neg_mul_add(step_84, factor_50, step_7_2)),
     );
-    let change_5_2 = neg_mul_add(
-        change_3_2,
-        factor_357,
-        neg_mul_add(step_76, factor_356, neg_mul_add(step_77, factor_355, change_4_2)),
+    let step_89 = mul_add(
+        step_87,
+        factor_55,
+        neg_mul_add(step_76, factor_54, neg_mul_add(step_77, factor_53, step_88)),
     );
-    let change_6_2 = change_5_2 * factor_351;
-    change[row::THUMB_PIN_Y] = change_6_2;
-    let change_7_2 = neg_mul_add(
+    let step_90 = step_89 * factor_49;
+    let step_91 = neg_mul_add(
         step_76,
-        factor_343,
-        neg_mul_add(step_77, factor_342, neg_mul_add(step_84, factor_341, step_45)),
+        factor_41,
+        neg_mul_add(step_77, factor_40, neg_mul_add(step_84, factor_39, step_5_2)),
     );
-    let change_8_2 = neg_mul_add(
-        change_3_2,
-        factor_345,
-        neg_mul_add(change_6_2, factor_344, change_7_2),
-    ) * factor_340;
-    change[row::THUMB_PIN_X] = change_8_2;
-    let step_85 = neg_mul_add(
-        change_3_2,
-        factor_336,
-        neg_mul_add(change_6_2, factor_335, neg_mul_add(change_8_2, factor_334, step_43)),
-    );
-    let step_86 = step_85 * factor_333;
-    step[coordinate::THUMB_IP] = step_86;
-    let step_87 = neg_mul_add(
-        change_6_2,
-        factor_327,
-        neg_mul_add(change_8_2, factor_326, neg_mul_add(step_86, factor_325, step_42)),
-    );
-    let step_88 = neg_mul_add(change_3_2, factor_328, step_87) * factor_324;
-    step[coordinate::THUMB_MCP] = step_88;
-    let step_89 = neg_mul_add(
-        change_8_2,
-        factor_316,
-        neg_mul_add(step_86, factor_315, neg_mul_add(step_88, factor_314, step_41)),
-    );
-    let step_90 = neg_mul_add(
-        change_3_2,
-        factor_318,
-        neg_mul_add(change_6_2, factor_317, step_89),
-    ) * factor_313;
-    step[coordinate::THUMB_CMC] = step_90;
-    let step_91 = mul_add(
-        step_86,
-        factor_303,
-        mul_add(step_88, factor_302, mul_add(step_90, factor_301, r_thumb_ab)),
-    );
-    let step_92 = mul_add(
-        change_3_2,
-        factor_306,
-        mul_add(change_6_2, factor_305, mul_add(change_8_2, factor_304, step_91)),
-    );
-    step[coordinate::THUMB_AB] = -(step_92 * factor_300);
-    let change_9_2 = mul_add(
-        step_80,
-        factor_290,
-        mul_add(step_82, factor_289, mul_add(step_84, factor_288, step_39)),
-    );
-    let change_10_2 = mul_add(
-        step_76,
-        factor_293,
-        mul_add(step_77, factor_292, mul_add(step_78, factor_291, change_9_2)),
-    );
-    let change_11_2 = change_10_2 * factor_287;
-    change[row::LITTLE_PIN_Z] = -change_11_2;
-    let change_12_2 = neg_mul_add(
-        step_78,
-        factor_277,
-        neg_mul_add(step_82, factor_276, neg_mul_add(step_84, factor_275, step_37)),
-    );
-    let change_13_2 = mul_add(
-        change_11_2,
-        factor_280,
-        neg_mul_add(step_76, factor_279, neg_mul_add(step_77, factor_278, change_12_2)),
-    );
-    let change_14_2 = change_13_2 * factor_274;
-    change[row::LITTLE_PIN_Y] = change_14_2;
-    let change_15_2 = neg_mul_add(
-        step_76,
-        factor_266,
-        neg_mul_add(step_77, factor_265, neg_mul_add(step_84, factor_264, step_35)),
-    );
-    let change_16 = mul_add(
-        change_11_2,
-        factor_268,
-        neg_mul_add(change_14_2, factor_267, change_15_2),
-    ) * factor_263;
-    change[row::LITTLE_PIN_X] = change_16;
+    let step_92 = mul_add(step_87, factor_43, neg_mul_add(step_90, factor_42, step_91))
+        * factor_38;
     let step_93 = mul_add(
-        change_11_2,
-        factor_259,
-        neg_mul_add(change_14_2, factor_258, neg_mul_add(change_16, factor_257, step_33)),
+        step_87,
+        factor_34,
+        neg_mul_add(step_90, factor_33, neg_mul_add(step_92, factor_32, step_3_2)),
     );
-    let step_94 = step_93 * factor_256;
-    step[coordinate::LITTLE_DIP] = step_94;
+    let step_94 = step_93 * factor_31;
     let step_95 = neg_mul_add(
-        change_14_2,
-        factor_250,
-        neg_mul_add(change_16, factor_249, neg_mul_add(step_94, factor_248, step_32)),
+        step_90,
+        factor_25,
+        neg_mul_add(step_92, factor_24, neg_mul_add(step_94, factor_23, step_2_2)),
     );
-    let step_96 = mul_add(change_11_2, factor_251, step_95) * factor_247;
-    step[coordinate::LITTLE_PIP] = step_96;
+    let step_96 = mul_add(step_87, factor_26, step_95) * factor_22;
     let step_97 = neg_mul_add(
-        change_16,
-        factor_239,
-        neg_mul_add(step_94, factor_238, neg_mul_add(step_96, factor_237, step_31)),
+        step_92,
+        factor_14,
+        neg_mul_add(step_94, factor_13, neg_mul_add(step_96, factor_12, step_1)),
     );
-    let step_98 = mul_add(
-        change_11_2,
-        factor_241,
-        neg_mul_add(change_14_2, factor_240, step_97),
-    ) * factor_236;
-    step[coordinate::LITTLE_MCP] = step_98;
+    let step_98 = mul_add(step_87, factor_16, neg_mul_add(step_90, factor_15, step_97))
+        * factor_11;
     let step_99 = mul_add(
         step_94,
-        factor_228,
-        mul_add(step_96, factor_227, mul_add(step_98, factor_226, r_little_ab)),
+        factor_3,
+        mul_add(step_96, factor_2, mul_add(step_98, factor_1, r_index_ab)),
     );
-    let step_100 = mul_add(
-        change_14_2,
-        factor_230,
-        mul_add(change_16, factor_229, step_99),
-    ) * factor_225;
-    step[coordinate::LITTLE_AB] = -step_100;
-    let change_17 = mul_add(
-        step_80,
-        factor_215,
-        mul_add(step_82, factor_214, mul_add(step_84, factor_213, step_29)),
-    );
-    let change_18 = mul_add(
-        step_76,
-        factor_218,
-        mul_add(step_77, factor_217, mul_add(step_78, factor_216, change_17)),
-    );
-    let change_19 = change_18 * factor_212;
-    change[row::RING_PIN_Z] = -change_19;
-    let change_20 = neg_mul_add(
-        step_78,
-        factor_202,
-        neg_mul_add(step_82, factor_201, neg_mul_add(step_84, factor_200, step_27)),
-    );
-    let change_21 = mul_add(
-        change_19,
-        factor_205,
-        neg_mul_add(step_76, factor_204, neg_mul_add(step_77, factor_203, change_20)),
-    );
-    let change_22 = change_21 * factor_199;
-    change[row::RING_PIN_Y] = change_22;
-    let change_23 = neg_mul_add(
-        step_76,
-        factor_191,
-        neg_mul_add(step_77, factor_190, neg_mul_add(step_84, factor_189, step_25_2)),
-    );
-    let change_24 = mul_add(
-        change_19,
-        factor_193,
-        neg_mul_add(change_22, factor_192, change_23),
-    ) * factor_188;
-    change[row::RING_PIN_X] = change_24;
+    let step_100 = mul_add(step_90, factor_5, mul_add(step_92, factor_4, step_99))
+        * factor_0;
+    step[coordinate::INDEX_AB] = -step_100;
+    step[coordinate::INDEX_MCP] = step_98;
+    step[coordinate::INDEX_PIP] = step_96;
+    step[coordinate::INDEX_DIP] = step_94;
     let step_101 = mul_add(
-        change_19,
-        factor_184,
-        neg_mul_add(change_22, factor_183, neg_mul_add(change_24, factor_182, step_23_2)),
-    );
-    let step_102 = step_101 * factor_181;
-    step[coordinate::RING_DIP] = step_102;
-    let step_103 = neg_mul_add(
-        change_22,
-        factor_175,
-        neg_mul_add(change_24, factor_174, neg_mul_add(step_102, factor_173, step_22_2)),
-    );
-    let step_104 = mul_add(change_19, factor_176, step_103) * factor_172;
-    step[coordinate::RING_PIP] = step_104;
-    let step_105 = neg_mul_add(
-        change_24,
-        factor_164,
-        neg_mul_add(step_102, factor_163, neg_mul_add(step_104, factor_162, step_21_2)),
-    );
-    let step_106 = mul_add(
-        change_19,
-        factor_166,
-        neg_mul_add(change_22, factor_165, step_105),
-    ) * factor_161;
-    step[coordinate::RING_MCP] = step_106;
-    let step_107 = mul_add(
-        step_102,
-        factor_153,
-        mul_add(step_104, factor_152, mul_add(step_106, factor_151, r_ring_ab)),
-    );
-    let step_108 = mul_add(
-        change_22,
-        factor_155,
-        mul_add(change_24, factor_154, step_107),
-    ) * factor_150;
-    step[coordinate::RING_AB] = -step_108;
-    let change_25 = mul_add(
         step_80,
         factor_140,
         mul_add(step_82, factor_139, mul_add(step_84, factor_138, step_19_2)),
     );
-    let change_26 = mul_add(
+    let step_102 = mul_add(
         step_76,
         factor_143,
-        mul_add(step_77, factor_142, mul_add(step_78, factor_141, change_25)),
+        mul_add(step_77, factor_142, mul_add(step_78, factor_141, step_101)),
     );
-    let change_27 = change_26 * factor_137;
-    change[row::MIDDLE_PIN_Z] = -change_27;
-    let change_28 = neg_mul_add(
+    let step_103 = step_102 * factor_137;
+    let step_104 = neg_mul_add(
         step_78,
         factor_127,
         neg_mul_add(step_82, factor_126, neg_mul_add(step_84, factor_125, step_17_2)),
     );
-    let change_29 = mul_add(
-        change_27,
+    let step_105 = mul_add(
+        step_103,
         factor_130,
-        neg_mul_add(step_76, factor_129, neg_mul_add(step_77, factor_128, change_28)),
+        neg_mul_add(step_76, factor_129, neg_mul_add(step_77, factor_128, step_104)),
     );
-    let change_30 = change_29 * factor_124;
-    change[row::MIDDLE_PIN_Y] = change_30;
-    let change_31 = neg_mul_add(
+    let step_106 = step_105 * factor_124;
+    let step_107 = neg_mul_add(
         step_76,
         factor_116,
         neg_mul_add(step_77, factor_115, neg_mul_add(step_84, factor_114, step_15_2)),
     );
-    let change_32 = mul_add(
-        change_27,
+    let step_108 = mul_add(
+        step_103,
         factor_118,
-        neg_mul_add(change_30, factor_117, change_31),
+        neg_mul_add(step_106, factor_117, step_107),
     ) * factor_113;
-    change[row::MIDDLE_PIN_X] = change_32;
     let step_109 = mul_add(
-        change_27,
+        step_103,
         factor_109,
-        neg_mul_add(change_30, factor_108, neg_mul_add(change_32, factor_107, step_13_2)),
+        neg_mul_add(step_106, factor_108, neg_mul_add(step_108, factor_107, step_13_2)),
     );
     let step_110 = step_109 * factor_106;
-    step[coordinate::MIDDLE_DIP] = step_110;
     let step_111 = neg_mul_add(
-        change_30,
+        step_106,
         factor_100,
-        neg_mul_add(change_32, factor_99, neg_mul_add(step_110, factor_98, step_12_2)),
+        neg_mul_add(step_108, factor_99, neg_mul_add(step_110, factor_98, step_12_2)),
     );
-    let step_112 = mul_add(change_27, factor_101, step_111) * factor_97;
-    step[coordinate::MIDDLE_PIP] = step_112;
+    let step_112 = mul_add(step_103, factor_101, step_111) * factor_97;
     let step_113 = neg_mul_add(
-        change_32,
+        step_108,
         factor_89,
         neg_mul_add(step_110, factor_88, neg_mul_add(step_112, factor_87, step_11_2)),
     );
     let step_114 = mul_add(
-        change_27,
+        step_103,
         factor_91,
-        neg_mul_add(change_30, factor_90, step_113),
+        neg_mul_add(step_106, factor_90, step_113),
     ) * factor_86;
-    step[coordinate::MIDDLE_MCP] = step_114;
     let step_115 = mul_add(
         step_110,
         factor_78,
         mul_add(step_112, factor_77, mul_add(step_114, factor_76, r_middle_ab)),
     );
-    let step_116 = mul_add(change_30, factor_80, mul_add(change_32, factor_79, step_115))
+    let step_116 = mul_add(step_106, factor_80, mul_add(step_108, factor_79, step_115))
         * factor_75;
     step[coordinate::MIDDLE_AB] = -step_116;
-    let change_33 = mul_add(
-        step_80,
-        factor_65,
-        mul_add(step_82, factor_64, mul_add(step_84, factor_63, step_9_2)),
-    );
-    let change_34 = mul_add(
-        step_76,
-        factor_68,
-        mul_add(step_77, factor_67, mul_add(step_78, factor_66, change_33)),
-    );
-    let change_35 = change_34 * factor_62;
-    change[row::INDEX_PIN_Z] = -change_35;
-    let change_36 = neg_mul_add(
-        step_78,
-        factor_52,
-        neg_mul_add(step_82, factor_51, neg_mul_add(step_84, factor_50, step_7_2)),
-    );
-    let change_37 = mul_add(
-        change_35,
-        factor_55,
-        neg_mul_add(step_76, factor_54, neg_mul_add(step_77, factor_53, change_36)),
-    );
-    let change_38 = change_37 * factor_49;
-    change[row::INDEX_PIN_Y] = change_38;
-    let change_39 = neg_mul_add(
-        step_76,
-        factor_41,
-        neg_mul_add(step_77, factor_40, neg_mul_add(step_84, factor_39, step_5_2)),
-    );
-    let change_40 = mul_add(
-        change_35,
-        factor_43,
-        neg_mul_add(change_38, factor_42, change_39),
-    ) * factor_38;
-    change[row::INDEX_PIN_X] = change_40;
+    step[coordinate::MIDDLE_MCP] = step_114;
+    step[coordinate::MIDDLE_PIP] = step_112;
+    step[coordinate::MIDDLE_DIP] = step_110;
     let step_117 = mul_add(
-        change_35,
-        factor_34,
-        neg_mul_add(change_38, factor_33, neg_mul_add(change_40, factor_32, step_3_2)),
+        step_80,
+        factor_215,
+        mul_add(step_82, factor_214, mul_add(step_84, factor_213, step_29)),
     );
-    let step_118 = step_117 * factor_31;
-    step[coordinate::INDEX_DIP] = step_118;
-    let step_119 = neg_mul_add(
-        change_38,
-        factor_25,
-        neg_mul_add(change_40, factor_24, neg_mul_add(step_118, factor_23, step_2_2)),
+    let step_118 = mul_add(
+        step_76,
+        factor_218,
+        mul_add(step_77, factor_217, mul_add(step_78, factor_216, step_117)),
     );
-    let step_120 = mul_add(change_35, factor_26, step_119) * factor_22;
-    step[coordinate::INDEX_PIP] = step_120;
-    let step_121 = neg_mul_add(
-        change_40,
-        factor_14,
-        neg_mul_add(step_118, factor_13, neg_mul_add(step_120, factor_12, step_1)),
+    let step_119 = step_118 * factor_212;
+    let step_120 = neg_mul_add(
+        step_78,
+        factor_202,
+        neg_mul_add(step_82, factor_201, neg_mul_add(step_84, factor_200, step_27)),
     );
-    let step_122 = mul_add(
-        change_35,
-        factor_16,
-        neg_mul_add(change_38, factor_15, step_121),
-    ) * factor_11;
-    step[coordinate::INDEX_MCP] = step_122;
-    let step_123 = mul_add(
-        step_118,
-        factor_3,
-        mul_add(step_120, factor_2, mul_add(step_122, factor_1, r_index_ab)),
+    let step_121 = mul_add(
+        step_119,
+        factor_205,
+        neg_mul_add(step_76, factor_204, neg_mul_add(step_77, factor_203, step_120)),
     );
-    let step_124 = mul_add(change_38, factor_5, mul_add(change_40, factor_4, step_123))
-        * factor_0;
-    step[coordinate::INDEX_AB] = -step_124;
+    let step_122 = step_121 * factor_199;
+    let step_123 = neg_mul_add(
+        step_76,
+        factor_191,
+        neg_mul_add(step_77, factor_190, neg_mul_add(step_84, factor_189, step_25_2)),
+    );
+    let step_124 = mul_add(
+        step_119,
+        factor_193,
+        neg_mul_add(step_122, factor_192, step_123),
+    ) * factor_188;
+    let step_125 = mul_add(
+        step_119,
+        factor_184,
+        neg_mul_add(step_122, factor_183, neg_mul_add(step_124, factor_182, step_23_2)),
+    );
+    let step_126 = step_125 * factor_181;
+    let step_127 = neg_mul_add(
+        step_122,
+        factor_175,
+        neg_mul_add(step_124, factor_174, neg_mul_add(step_126, factor_173, step_22_2)),
+    );
+    let step_128 = mul_add(step_119, factor_176, step_127) * factor_172;
+    let step_129 = neg_mul_add(
+        step_124,
+        factor_164,
+        neg_mul_add(step_126, factor_163, neg_mul_add(step_128, factor_162, step_21_2)),
+    );
+    let step_130 = mul_add(
+        step_119,
+        factor_166,
+        neg_mul_add(step_122, factor_165, step_129),
+    ) * factor_161;
+    let step_131 = mul_add(
+        step_126,
+        factor_153,
+        mul_add(step_128, factor_152, mul_add(step_130, factor_151, r_ring_ab)),
+    );
+    let step_132 = mul_add(step_122, factor_155, mul_add(step_124, factor_154, step_131))
+        * factor_150;
+    step[coordinate::RING_AB] = -step_132;
+    step[coordinate::RING_MCP] = step_130;
+    step[coordinate::RING_PIP] = step_128;
+    step[coordinate::RING_DIP] = step_126;
+    let step_133 = mul_add(
+        step_80,
+        factor_290,
+        mul_add(step_82, factor_289, mul_add(step_84, factor_288, step_39)),
+    );
+    let step_134 = mul_add(
+        step_76,
+        factor_293,
+        mul_add(step_77, factor_292, mul_add(step_78, factor_291, step_133)),
+    );
+    let step_135 = step_134 * factor_287;
+    let step_136 = neg_mul_add(
+        step_78,
+        factor_277,
+        neg_mul_add(step_82, factor_276, neg_mul_add(step_84, factor_275, step_37)),
+    );
+    let step_137 = mul_add(
+        step_135,
+        factor_280,
+        neg_mul_add(step_76, factor_279, neg_mul_add(step_77, factor_278, step_136)),
+    );
+    let step_138 = step_137 * factor_274;
+    let step_139 = neg_mul_add(
+        step_76,
+        factor_266,
+        neg_mul_add(step_77, factor_265, neg_mul_add(step_84, factor_264, step_35)),
+    );
+    let step_140 = mul_add(
+        step_135,
+        factor_268,
+        neg_mul_add(step_138, factor_267, step_139),
+    ) * factor_263;
+    let step_141 = mul_add(
+        step_135,
+        factor_259,
+        neg_mul_add(step_138, factor_258, neg_mul_add(step_140, factor_257, step_33)),
+    );
+    let step_142 = step_141 * factor_256;
+    let step_143 = neg_mul_add(
+        step_138,
+        factor_250,
+        neg_mul_add(step_140, factor_249, neg_mul_add(step_142, factor_248, step_32)),
+    );
+    let step_144 = mul_add(step_135, factor_251, step_143) * factor_247;
+    let step_145 = neg_mul_add(
+        step_140,
+        factor_239,
+        neg_mul_add(step_142, factor_238, neg_mul_add(step_144, factor_237, step_31)),
+    );
+    let step_146 = mul_add(
+        step_135,
+        factor_241,
+        neg_mul_add(step_138, factor_240, step_145),
+    ) * factor_236;
+    let step_147 = mul_add(
+        step_142,
+        factor_228,
+        mul_add(step_144, factor_227, mul_add(step_146, factor_226, r_little_ab)),
+    );
+    let step_148 = mul_add(step_138, factor_230, mul_add(step_140, factor_229, step_147))
+        * factor_225;
+    step[coordinate::LITTLE_AB] = -step_148;
+    step[coordinate::LITTLE_MCP] = step_146;
+    step[coordinate::LITTLE_PIP] = step_144;
+    step[coordinate::LITTLE_DIP] = step_142;
+    let step_149 = neg_mul_add(
+        step_80,
+        factor_367,
+        neg_mul_add(step_82, factor_366, neg_mul_add(step_84, factor_365, step_49)),
+    );
+    let step_150 = neg_mul_add(
+        step_76,
+        factor_370,
+        neg_mul_add(step_77, factor_369, neg_mul_add(step_78, factor_368, step_149)),
+    );
+    let step_151 = step_150 * factor_364;
+    let step_152 = neg_mul_add(
+        step_78,
+        factor_354,
+        neg_mul_add(step_82, factor_353, neg_mul_add(step_84, factor_352, step_47)),
+    );
+    let step_153 = neg_mul_add(
+        step_151,
+        factor_357,
+        neg_mul_add(step_76, factor_356, neg_mul_add(step_77, factor_355, step_152)),
+    );
+    let step_154 = step_153 * factor_351;
+    let step_155 = neg_mul_add(
+        step_76,
+        factor_343,
+        neg_mul_add(step_77, factor_342, neg_mul_add(step_84, factor_341, step_45)),
+    );
+    let step_156 = neg_mul_add(
+        step_151,
+        factor_345,
+        neg_mul_add(step_154, factor_344, step_155),
+    ) * factor_340;
+    let step_157 = neg_mul_add(
+        step_151,
+        factor_336,
+        neg_mul_add(step_154, factor_335, neg_mul_add(step_156, factor_334, step_43)),
+    );
+    let step_158 = step_157 * factor_333;
+    let step_159 = neg_mul_add(
+        step_154,
+        factor_327,
+        neg_mul_add(step_156, factor_326, neg_mul_add(step_158, factor_325, step_42)),
+    );
+    let step_160 = neg_mul_add(step_151, factor_328, step_159) * factor_324;
+    let step_161 = neg_mul_add(
+        step_156,
+        factor_316,
+        neg_mul_add(step_158, factor_315, neg_mul_add(step_160, factor_314, step_41)),
+    );
+    let step_162 = neg_mul_add(
+        step_151,
+        factor_318,
+        neg_mul_add(step_154, factor_317, step_161),
+    ) * factor_313;
+    let step_163 = mul_add(
+        step_158,
+        factor_303,
+        mul_add(step_160, factor_302, mul_add(step_162, factor_301, r_thumb_ab)),
+    );
+    let step_164 = mul_add(
+        step_151,
+        factor_306,
+        mul_add(step_154, factor_305, mul_add(step_156, factor_304, step_163)),
+    );
+    step[coordinate::THUMB_AB] = -(step_164 * factor_300);
+    step[coordinate::THUMB_CMC] = step_162;
+    step[coordinate::THUMB_MCP] = step_160;
+    step[coordinate::THUMB_IP] = step_158;
+    step[coordinate::BALL_TX] = step_84;
+    step[coordinate::BALL_TY] = step_82;
+    step[coordinate::BALL_TZ] = step_80;
+    step[coordinate::BALL_RX] = step_78;
+    step[coordinate::BALL_RY] = step_77;
+    step[coordinate::BALL_RZ] = step_76;
+    change[row::INDEX_PIN_X] = step_92;
+    change[row::INDEX_PIN_Y] = step_90;
+    change[row::INDEX_PIN_Z] = -step_87;
+    change[row::MIDDLE_PIN_X] = step_108;
+    change[row::MIDDLE_PIN_Y] = step_106;
+    change[row::MIDDLE_PIN_Z] = -step_103;
+    change[row::RING_PIN_X] = step_124;
+    change[row::RING_PIN_Y] = step_122;
+    change[row::RING_PIN_Z] = -step_119;
+    change[row::LITTLE_PIN_X] = step_140;
+    change[row::LITTLE_PIN_Y] = step_138;
+    change[row::LITTLE_PIN_Z] = -step_135;
+    change[row::THUMB_PIN_X] = step_156;
+    change[row::THUMB_PIN_Y] = step_154;
+    change[row::THUMB_PIN_Z] = step_151;
 }

@@ -43,9 +43,9 @@ pub static SYSTEMS: [System; 1] = [
             let factors = sized(factors);
             let residual = sized(residual);
             let gaps = sized(gaps);
-            let change = sized_mut(change);
             let step = sized_mut(step);
-            whole::solve(factors, residual, gaps, change, step)
+            let change = sized_mut(change);
+            whole::solve(factors, residual, gaps, step, change)
         },
     },
 ];

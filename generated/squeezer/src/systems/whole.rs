@@ -321,178 +321,183 @@ pub fn factor(
     let g_after_36 = after[36];
     let g_after_40 = after[40];
     let g_after_41 = after[41];
-    factors[6] = j_25;
-    factors[30] = j_41;
-    factors[55] = -g_before_0;
-    factors[1] = -g_before_2;
-    factors[56] = -g_before_7;
-    factors[2] = -g_before_9;
-    factors[18] = g_after_14;
-    factors[19] = g_after_15;
-    factors[7] = -g_before_17;
-    factors[8] = -g_before_24;
-    factors[42] = g_after_28;
-    factors[43] = g_after_29;
-    factors[31] = -g_before_33;
-    factors[32] = -g_before_40;
     let factor_1 = 1.0 / j_16;
     factors[0] = factor_1;
+    factors[1] = -g_before_2;
+    factors[2] = -g_before_9;
     let factor_2 = g_after_2 * factor_1;
     factors[3] = factor_2;
     let factor_3 = g_after_9 * factor_1;
     factors[4] = factor_3;
     let factor_4 = 1.0 / j_24;
     factors[5] = factor_4;
+    factors[6] = j_25;
+    factors[7] = -g_before_17;
+    factors[8] = -g_before_24;
     let factor_5 = j_31 * factor_4;
     factors[9] = factor_5;
-    let factor_6 = mul_sub(g_before_17, factor_5, g_before_18);
-    factors[13] = factor_6;
-    let factor_7 = mul_sub(g_before_24, factor_5, g_before_25);
-    factors[14] = factor_7;
-    let factor_8 = g_after_17 * factor_4;
-    factors[10] = factor_8;
-    let factor_9 = g_after_24 * factor_4;
-    factors[11] = factor_9;
-    let factor_10 = 1.0 / neg_mul_add(j_25, factor_5, j_32);
-    factors[12] = factor_10;
-    let factor_11 = neg_mul_add(j_25, factor_8, g_after_18) * factor_10;
+    let factor_6 = g_after_17 * factor_4;
+    factors[10] = factor_6;
+    let factor_7 = g_after_24 * factor_4;
+    factors[11] = factor_7;
+    let factor_8 = 1.0 / neg_mul_add(j_25, factor_5, j_32);
+    factors[12] = factor_8;
+    let factor_9 = mul_sub(g_before_17, factor_5, g_before_18);
+    factors[13] = factor_9;
+    let factor_10 = mul_sub(g_before_24, factor_5, g_before_25);
+    factors[14] = factor_10;
+    let factor_11 = neg_mul_add(j_25, factor_6, g_after_18) * factor_8;
     factors[15] = factor_11;
-    let factor_12 = mul_sub(g_before_24, factor_8, factor_7 * factor_11);
-    factors[20] = factor_12;
-    let factor_13 = neg_mul_add(j_25, factor_9, g_after_25) * factor_10;
-    factors[16] = factor_13;
-    let factor_14 = 1.0 / mul_sub(g_before_17, factor_8, factor_6 * factor_11);
-    factors[17] = factor_14;
-    let factor_15 = g_before_14 * factor_14;
+    let factor_12 = neg_mul_add(j_25, factor_7, g_after_25) * factor_8;
+    factors[16] = factor_12;
+    let factor_13 = 1.0 / mul_sub(g_before_17, factor_6, factor_9 * factor_11);
+    factors[17] = factor_13;
+    factors[18] = g_after_14;
+    factors[19] = g_after_15;
+    let factor_14 = mul_sub(g_before_24, factor_6, factor_10 * factor_11);
+    factors[20] = factor_14;
+    let factor_15 = g_before_14 * factor_13;
     factors[21] = -factor_15;
-    let factor_16 = mul_add(g_after_15, factor_15, j_1);
-    let factor_17 = g_before_15 * factor_14;
-    factors[22] = -factor_17;
-    let factor_18 = mul_sub(g_before_17, factor_9, factor_6 * factor_13) * factor_14;
-    factors[23] = factor_18;
-    let factor_19 = neg_mul_add(g_after_14, factor_18, g_after_21);
-    factors[25] = factor_19;
-    let factor_20 = neg_mul_add(g_after_15, factor_18, g_after_22);
-    factors[26] = factor_20;
-    let factor_21 = mul_sub(g_before_24, factor_9, factor_7 * factor_13);
-    let factor_22 = 1.0 / neg_mul_add(factor_12, factor_18, factor_21);
-    factors[24] = factor_22;
-    let factor_23 = mul_sub(factor_12, factor_15, g_before_21) * factor_22;
-    factors[27] = factor_23;
-    let factor_24 = neg_mul_add(factor_20, factor_23, factor_16);
-    let factor_25 = mul_sub(factor_12, factor_17, g_before_22) * factor_22;
-    factors[28] = factor_25;
-    let factor_26 = 1.0 / j_40;
-    factors[29] = factor_26;
-    let factor_27 = j_47 * factor_26;
-    factors[33] = factor_27;
-    let factor_28 = mul_sub(g_before_33, factor_27, g_before_34);
-    factors[37] = factor_28;
-    let factor_29 = mul_sub(g_before_40, factor_27, g_before_41);
-    factors[38] = factor_29;
-    let factor_30 = g_after_33 * factor_26;
-    factors[34] = factor_30;
-    let factor_31 = g_after_40 * factor_26;
-    factors[35] = factor_31;
-    let factor_32 = 1.0 / neg_mul_add(j_41, factor_27, j_48);
-    factors[36] = factor_32;
-    let factor_33 = neg_mul_add(j_41, factor_30, g_after_34) * factor_32;
-    factors[39] = factor_33;
-    let factor_34 = mul_sub(g_before_40, factor_30, factor_29 * factor_33);
+    let factor_16 = g_before_15 * factor_13;
+    factors[22] = -factor_16;
+    let factor_17 = mul_sub(g_before_17, factor_7, factor_9 * factor_12) * factor_13;
+    factors[23] = factor_17;
+    let factor_18 = mul_sub(g_before_24, factor_7, factor_10 * factor_12);
+    let factor_19 = 1.0 / neg_mul_add(factor_14, factor_17, factor_18);
+    factors[24] = factor_19;
+    let factor_20 = neg_mul_add(g_after_14, factor_17, g_after_21);
+    factors[25] = factor_20;
+    let factor_21 = neg_mul_add(g_after_15, factor_17, g_after_22);
+    factors[26] = factor_21;
+    let factor_22 = mul_sub(factor_14, factor_15, g_before_21) * factor_19;
+    factors[27] = factor_22;
+    let factor_23 = mul_sub(factor_14, factor_16, g_before_22) * factor_19;
+    factors[28] = factor_23;
+    let factor_24 = 1.0 / j_40;
+    factors[29] = factor_24;
+    factors[30] = j_41;
+    factors[31] = -g_before_33;
+    factors[32] = -g_before_40;
+    let factor_25 = j_47 * factor_24;
+    factors[33] = factor_25;
+    let factor_26 = g_after_33 * factor_24;
+    factors[34] = factor_26;
+    let factor_27 = g_after_40 * factor_24;
+    factors[35] = factor_27;
+    let factor_28 = 1.0 / neg_mul_add(j_41, factor_25, j_48);
+    factors[36] = factor_28;
+    let factor_29 = mul_sub(g_before_33, factor_25, g_before_34);
+    factors[37] = factor_29;
+    let factor_30 = mul_sub(g_before_40, factor_25, g_before_41);
+    factors[38] = factor_30;
+    let factor_31 = neg_mul_add(j_41, factor_26, g_after_34) * factor_28;
+    factors[39] = factor_31;
+    let factor_32 = neg_mul_add(j_41, factor_27, g_after_41) * factor_28;
+    factors[40] = factor_32;
+    let factor_33 = 1.0 / mul_sub(g_before_33, factor_26, factor_29 * factor_31);
+    factors[41] = factor_33;
+    factors[42] = g_after_28;
+    factors[43] = g_after_29;
+    let factor_34 = mul_sub(g_before_40, factor_26, factor_30 * factor_31);
     factors[44] = factor_34;
-    let factor_35 = neg_mul_add(j_41, factor_31, g_after_41) * factor_32;
-    factors[40] = factor_35;
-    let factor_36 = 1.0 / mul_sub(g_before_33, factor_30, factor_28 * factor_33);
-    factors[41] = factor_36;
-    let factor_37 = g_before_28 * factor_36;
-    factors[45] = -factor_37;
-    let factor_38 = mul_add(g_after_29, factor_37, factor_24);
-    let factor_39 = g_before_29 * factor_36;
-    factors[46] = -factor_39;
-    let factor_40 = mul_sub(g_before_33, factor_31, factor_28 * factor_35) * factor_36;
-    factors[47] = factor_40;
-    let factor_41 = neg_mul_add(g_after_28, factor_40, g_after_35);
-    factors[49] = factor_41;
-    let factor_42 = neg_mul_add(g_after_29, factor_40, g_after_36);
-    factors[50] = factor_42;
-    let factor_43 = mul_sub(g_before_40, factor_31, factor_29 * factor_35);
-    let factor_44 = 1.0 / neg_mul_add(factor_34, factor_40, factor_43);
-    factors[48] = factor_44;
-    let factor_45 = mul_sub(factor_34, factor_37, g_before_35) * factor_44;
-    factors[51] = factor_45;
-    let factor_46 = neg_mul_add(factor_42, factor_45, factor_38);
-    factors[54] = factor_46;
-    let factor_47 = mul_sub(factor_34, factor_39, g_before_36) * factor_44;
-    factors[52] = factor_47;
+    let factor_35 = g_before_28 * factor_33;
+    factors[45] = -factor_35;
+    let factor_36 = g_before_29 * factor_33;
+    factors[46] = -factor_36;
+    let factor_37 = mul_sub(g_before_33, factor_27, factor_29 * factor_32) * factor_33;
+    factors[47] = factor_37;
+    let factor_38 = mul_sub(g_before_40, factor_27, factor_30 * factor_32);
+    let factor_39 = 1.0 / neg_mul_add(factor_34, factor_37, factor_38);
+    factors[48] = factor_39;
+    let factor_40 = neg_mul_add(g_after_28, factor_37, g_after_35);
+    factors[49] = factor_40;
+    let factor_41 = neg_mul_add(g_after_29, factor_37, g_after_36);
+    factors[50] = factor_41;
+    let factor_42 = mul_sub(factor_34, factor_35, g_before_35) * factor_39;
+    factors[51] = factor_42;
+    let factor_43 = mul_sub(factor_34, factor_36, g_before_36) * factor_39;
+    factors[52] = factor_43;
+    let factor_44 = mul_add(
+        g_after_28,
+        factor_35,
+        neg_mul_add(factor_20, factor_22, mul_add(g_after_14, factor_15, j_0)),
+    );
+    let factor_45 = 1.0 / neg_mul_add(factor_40, factor_42, factor_44);
+    factors[53] = factor_45;
+    let factor_46 = mul_add(
+        g_after_29,
+        factor_35,
+        neg_mul_add(factor_21, factor_22, mul_add(g_after_15, factor_15, j_1)),
+    );
+    let factor_47 = neg_mul_add(factor_41, factor_42, factor_46);
+    factors[54] = factor_47;
+    factors[55] = -g_before_0;
+    factors[56] = -g_before_7;
     let factor_48 = mul_add(
         g_after_28,
-        factor_37,
-        neg_mul_add(factor_19, factor_23, mul_add(g_after_14, factor_15, j_0)),
+        factor_36,
+        neg_mul_add(factor_20, factor_23, mul_add(g_after_14, factor_16, j_7)),
     );
-    let factor_49 = 1.0 / neg_mul_add(factor_41, factor_45, factor_48);
-    factors[53] = factor_49;
-    let factor_50 = mul_add(
-        g_after_28,
-        factor_39,
-        neg_mul_add(factor_19, factor_25, mul_add(g_after_14, factor_17, j_7)),
-    );
-    let factor_51 = neg_mul_add(factor_41, factor_47, factor_50) * factor_49;
-    factors[57] = factor_51;
-    let factor_52 = mul_sub(g_before_0, factor_51, g_before_1);
-    factors[61] = factor_52;
-    let factor_53 = mul_sub(g_before_7, factor_51, g_before_8);
-    factors[62] = factor_53;
-    let factor_54 = g_after_0 * factor_49;
-    factors[58] = factor_54;
-    let factor_55 = mul_add(g_before_9, factor_2, g_before_7 * factor_54);
-    let factor_56 = g_after_7 * factor_49;
-    factors[59] = factor_56;
-    let factor_57 = mul_add(
+    let factor_49 = neg_mul_add(factor_40, factor_43, factor_48) * factor_45;
+    factors[57] = factor_49;
+    let factor_50 = g_after_0 * factor_45;
+    factors[58] = factor_50;
+    let factor_51 = g_after_7 * factor_45;
+    factors[59] = factor_51;
+    let factor_52 = mul_add(
         g_after_29,
-        factor_39,
-        neg_mul_add(factor_20, factor_25, mul_add(g_after_15, factor_17, j_8)),
+        factor_36,
+        neg_mul_add(factor_21, factor_23, mul_add(g_after_15, factor_16, j_8)),
     );
-    let factor_58 = 1.0
+    let factor_53 = 1.0
         / neg_mul_add(
-            factor_46,
-            factor_51,
-            neg_mul_add(factor_42, factor_47, factor_57),
+            factor_47,
+            factor_49,
+            neg_mul_add(factor_41, factor_43, factor_52),
         );
-    factors[60] = factor_58;
-    let factor_59 = neg_mul_add(factor_46, factor_54, g_after_1) * factor_58;
-    factors[63] = factor_59;
-    let factor_60 = neg_mul_add(factor_53, factor_59, factor_55);
+    factors[60] = factor_53;
+    let factor_54 = mul_sub(g_before_0, factor_49, g_before_1);
+    factors[61] = factor_54;
+    let factor_55 = mul_sub(g_before_7, factor_49, g_before_8);
+    factors[62] = factor_55;
+    let factor_56 = neg_mul_add(factor_47, factor_50, g_after_1) * factor_53;
+    factors[63] = factor_56;
+    let factor_57 = neg_mul_add(factor_47, factor_51, g_after_8) * factor_53;
+    factors[64] = factor_57;
+    let factor_58 = neg_mul_add(
+        factor_54,
+        factor_56,
+        mul_add(g_before_2, factor_2, g_before_0 * factor_50),
+    );
+    let factor_59 = 1.0 / factor_58;
+    factors[65] = factor_59;
+    let factor_60 = neg_mul_add(
+        factor_55,
+        factor_56,
+        mul_add(g_before_9, factor_2, g_before_7 * factor_50),
+    );
     factors[66] = factor_60;
-    let factor_61 = neg_mul_add(factor_46, factor_56, g_after_8) * factor_58;
-    factors[64] = factor_61;
-    let factor_62 = neg_mul_add(
-        factor_52,
-        factor_59,
-        mul_add(g_before_2, factor_2, g_before_0 * factor_54),
+    let factor_61 = neg_mul_add(
+        factor_54,
+        factor_57,
+        mul_add(g_before_2, factor_3, g_before_0 * factor_51),
     );
-    let factor_63 = 1.0 / factor_62;
-    factors[65] = factor_63;
-    let factor_64 = neg_mul_add(
-        factor_52,
-        factor_61,
-        mul_add(g_before_2, factor_3, g_before_0 * factor_56),
+    let factor_62 = factor_61 * factor_59;
+    factors[67] = factor_62;
+    let factor_63 = neg_mul_add(
+        factor_55,
+        factor_57,
+        mul_add(g_before_9, factor_3, g_before_7 * factor_51),
     );
-    let factor_65 = factor_64 * factor_63;
-    factors[67] = factor_65;
-    let factor_66 = neg_mul_add(
-        factor_53,
-        factor_61,
-        mul_add(g_before_9, factor_3, g_before_7 * factor_56),
-    );
-    let factor_67 = 1.0 / neg_mul_add(factor_60, factor_65, factor_66);
-    factors[68] = factor_67;
-    let shrinkage_1 = max(max(1.0, abs(j_32 * factor_10)), abs(factor_21 * factor_22));
+    let factor_64 = 1.0 / neg_mul_add(factor_60, factor_62, factor_63);
+    factors[68] = factor_64;
+    let shrinkage_1 = max(max(1.0, abs(j_32 * factor_8)), abs(factor_18 * factor_19));
     let shrinkage_2 = max(
-        max(shrinkage_1, abs(j_48 * factor_32)),
-        abs(factor_43 * factor_44),
+        max(shrinkage_1, abs(j_48 * factor_28)),
+        abs(factor_38 * factor_39),
     );
-    let shrinkage_3 = max(max(shrinkage_2, abs(j_0 * factor_49)), abs(j_8 * factor_58));
-    max(shrinkage_3, abs(factor_66 * factor_67))
+    let shrinkage_3 = max(max(shrinkage_2, abs(j_0 * factor_45)), abs(j_8 * factor_53));
+    max(shrinkage_3, abs(factor_63 * factor_64))
 }
 
 /// Solves Jδ − G₀ᵀμ = −r and G₁δ = −c for the step δ and the change μ of the multipliers.
@@ -502,8 +507,8 @@ pub fn solve(
     factors: &[f64; 69],
     residual: &[f64; COORDINATES],
     gaps: &[f64; ROWS],
-    change: &mut [f64; ROWS],
     step: &mut [f64; COORDINATES],
+    change: &mut [f64; ROWS],
 ) {
     let factor_0 = factors[0];
     let factor_1 = factors[1];
@@ -587,118 +592,112 @@ pub fn solve(
     let gap_loop4_y = gaps[row::LOOP4_Y];
     let gap_loop6_x = gaps[row::LOOP6_X];
     let gap_loop6_y = gaps[row::LOOP6_Y];
-    let change_1 = mul_sub(r_delta, factor_9, r_phi);
-    let change_2_2 = neg_mul_add(
-        change_1,
+    let step_1 = mul_sub(r_delta, factor_9, r_phi);
+    let step_2_2 = neg_mul_add(
+        step_1,
         factor_15,
         mul_sub(r_delta, factor_10, gap_loop4_x),
     );
-    let change_3_2 = neg_mul_add(
-        change_2_2,
+    let step_3_2 = neg_mul_add(
+        step_2_2,
         factor_23,
-        neg_mul_add(change_1, factor_16, mul_sub(r_delta, factor_11, gap_loop4_y)),
+        neg_mul_add(step_1, factor_16, mul_sub(r_delta, factor_11, gap_loop4_y)),
     );
-    let change_4_2 = mul_sub(r_epsilon, factor_33, r_omega);
-    let change_5_2 = neg_mul_add(
-        change_4_2,
+    let step_4_2 = mul_sub(r_epsilon, factor_33, r_omega);
+    let step_5_2 = neg_mul_add(
+        step_4_2,
         factor_39,
         mul_sub(r_epsilon, factor_34, gap_loop6_x),
     );
-    let change_6_2 = mul_add(
-        change_5_2,
+    let step_6_2 = mul_add(
+        step_5_2,
         factor_45,
-        mul_add(change_3_2, factor_27, mul_add(change_2_2, factor_21, r_beta)),
+        mul_add(step_3_2, factor_27, mul_add(step_2_2, factor_21, r_beta)),
     );
-    let change_7 = neg_mul_add(
-        change_5_2,
+    let step_7_2 = neg_mul_add(
+        step_5_2,
         factor_47,
-        neg_mul_add(change_4_2, factor_40, mul_sub(r_epsilon, factor_35, gap_loop6_y)),
+        neg_mul_add(step_4_2, factor_40, mul_sub(r_epsilon, factor_35, gap_loop6_y)),
     );
-    let change_8 = mul_add(change_7, factor_51, change_6_2);
-    let change_9 = mul_add(
-        change_5_2,
+    let step_8 = mul_add(step_7_2, factor_51, step_6_2);
+    let step_9 = mul_add(
+        step_5_2,
         factor_46,
-        mul_add(change_3_2, factor_28, mul_add(change_2_2, factor_22, r_theta)),
+        mul_add(step_3_2, factor_28, mul_add(step_2_2, factor_22, r_theta)),
     );
-    let change_10 = mul_sub(change_8, factor_57, mul_add(change_7, factor_52, change_9));
-    let change_11 = neg_mul_add(
-        change_10,
+    let step_10 = mul_sub(step_8, factor_57, mul_add(step_7_2, factor_52, step_9));
+    let step_11 = neg_mul_add(
+        step_10,
         factor_63,
-        mul_add(change_8, factor_58, mul_sub(r_gamma, factor_3, gap_loop3_x)),
+        mul_add(step_8, factor_58, mul_sub(r_gamma, factor_3, gap_loop3_x)),
     );
-    let change_12 = neg_mul_add(
-        change_10,
+    let step_12 = neg_mul_add(
+        step_10,
         factor_64,
-        mul_add(change_8, factor_59, mul_sub(r_gamma, factor_4, gap_loop3_y)),
+        mul_add(step_8, factor_59, mul_sub(r_gamma, factor_4, gap_loop3_y)),
     );
-    let change_13 = neg_mul_add(change_11, factor_67, change_12) * factor_68;
-    change[row::LOOP3_Y] = change_13;
-    let change_14 = neg_mul_add(change_13, factor_66, change_11) * factor_65;
-    change[row::LOOP3_X] = change_14;
-    let step_1 = neg_mul_add(
-        change_13,
+    let step_13 = neg_mul_add(step_11, factor_67, step_12) * factor_68;
+    let step_14 = neg_mul_add(step_13, factor_66, step_11) * factor_65;
+    let step_15 = neg_mul_add(
+        step_13,
         factor_62,
-        neg_mul_add(change_14, factor_61, change_10),
+        neg_mul_add(step_14, factor_61, step_10),
     ) * factor_60;
-    step[coordinate::THETA] = step_1;
-    let step_2_2 = mul_add(
-        change_13,
+    let step_16 = mul_add(
+        step_13,
         factor_56,
-        mul_add(change_14, factor_55, mul_add(step_1, factor_54, change_8)),
+        mul_add(step_14, factor_55, mul_add(step_15, factor_54, step_8)),
     );
-    let step_3_2 = step_2_2 * factor_53;
-    step[coordinate::BETA] = -step_3_2;
-    let change_15 = neg_mul_add(
-        step_1,
-        factor_50,
-        mul_add(step_3_2, factor_49, change_7),
-    ) * factor_48;
-    change[row::LOOP6_Y] = change_15;
-    let change_16 = neg_mul_add(
-        change_15,
-        factor_44,
-        neg_mul_add(step_1, factor_43, mul_add(step_3_2, factor_42, change_5_2)),
-    );
-    let change_17 = change_16 * factor_41;
-    change[row::LOOP6_X] = change_17;
-    let step_4_2 = neg_mul_add(
-        change_15,
-        factor_38,
-        neg_mul_add(change_17, factor_37, change_4_2),
-    ) * factor_36;
-    step[coordinate::OMEGA] = step_4_2;
-    let step_5_2 = mul_add(
-        change_15,
-        factor_32,
-        mul_add(change_17, factor_31, mul_add(step_4_2, factor_30, r_epsilon)),
-    );
-    step[coordinate::EPSILON] = -(step_5_2 * factor_29);
-    let change_18 = neg_mul_add(
-        step_1,
-        factor_26,
-        mul_add(step_3_2, factor_25, change_3_2),
-    ) * factor_24;
-    change[row::LOOP4_Y] = change_18;
-    let change_19 = neg_mul_add(
-        change_18,
-        factor_20,
-        neg_mul_add(step_1, factor_19, mul_add(step_3_2, factor_18, change_2_2)),
-    );
-    let change_20 = change_19 * factor_17;
-    change[row::LOOP4_X] = change_20;
-    let step_6_2 = neg_mul_add(
-        change_18,
-        factor_14,
-        neg_mul_add(change_20, factor_13, change_1),
-    ) * factor_12;
-    step[coordinate::PHI] = step_6_2;
-    let step_7_2 = mul_add(
-        change_18,
-        factor_8,
-        mul_add(change_20, factor_7, mul_add(step_6_2, factor_6, r_delta)),
-    );
-    step[coordinate::DELTA] = -(step_7_2 * factor_5);
-    let step_8 = mul_add(change_13, factor_2, mul_add(change_14, factor_1, r_gamma))
+    let step_17 = step_16 * factor_53;
+    step[coordinate::BETA] = -step_17;
+    step[coordinate::THETA] = step_15;
+    let step_18 = mul_add(step_13, factor_2, mul_add(step_14, factor_1, r_gamma))
         * factor_0;
-    step[coordinate::GAMMA] = -step_8;
+    step[coordinate::GAMMA] = -step_18;
+    let step_19 = neg_mul_add(step_15, factor_26, mul_add(step_17, factor_25, step_3_2))
+        * factor_24;
+    let step_20 = neg_mul_add(
+        step_19,
+        factor_20,
+        neg_mul_add(step_15, factor_19, mul_add(step_17, factor_18, step_2_2)),
+    );
+    let step_21 = step_20 * factor_17;
+    let step_22 = neg_mul_add(
+        step_19,
+        factor_14,
+        neg_mul_add(step_21, factor_13, step_1),
+    ) * factor_12;
+    let step_23 = mul_add(
+        step_19,
+        factor_8,
+        mul_add(step_21, factor_7, mul_add(step_22, factor_6, r_delta)),
+    );
+    step[coordinate::DELTA] = -(step_23 * factor_5);
+    step[coordinate::PHI] = step_22;
+    let step_24 = neg_mul_add(step_15, factor_50, mul_add(step_17, factor_49, step_7_2))
+        * factor_48;
+    let step_25 = neg_mul_add(
+        step_24,
+        factor_44,
+        neg_mul_add(step_15, factor_43, mul_add(step_17, factor_42, step_5_2)),
+    );
+    let step_26 = step_25 * factor_41;
+    let step_27 = neg_mul_add(
+        step_24,
+        factor_38,
+        neg_mul_add(step_26, factor_37, step_4_2),
+    ) * factor_36;
+    let step_28 = mul_add(
+        step_24,
+        factor_32,
+        mul_add(step_26, factor_31, mul_add(step_27, factor_30, r_epsilon)),
+    );
+    step[coordinate::EPSILON] = -(step_28 * factor_29);
+    step[coordinate::OMEGA] = step_27;
+    change[row::LOOP3_X] = step_14;
+    change[row::LOOP3_Y] = step_13;
+    change[row::LOOP4_X] = step_21;
+    change[row::LOOP4_Y] = step_19;
+    change[row::LOOP6_X] = step_26;
+    change[row::LOOP6_Y] = step_24;
 }
