@@ -17,7 +17,8 @@ pub(super) fn invert<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) ->
         }
         let pivot = a[k * N + k];
         good &= (L::splat(SMALL_PIVOT) * largest).less(pivot.abs());
-        let reciprocal = L::splat(1.0) / pivot;
+        // An inverse is soon older than such rounding.
+        let reciprocal = pivot.rough_recip();
         a[k * N + k] = L::splat(1.0);
         for j in 0..N {
             a[k * N + j] = a[k * N + j] * reciprocal;
