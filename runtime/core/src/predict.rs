@@ -83,13 +83,18 @@ pub(crate) fn shift<L: Lane>(increment: L, differences: &mut [f64], stride: usiz
     missed
 }
 
-/// The degree that is best in each lane, with `known` increments (at least 2): lanes that take each
-/// degree, as bits, and how far it has lately missed.
+/// The increments of a step on lanes by the degree that is best in each lane, with `known`
+/// increments (at least 2) behind it; and how far that degree has lately missed.
 #[inline(always)]
-pub(crate) fn best_degrees<L: Lane>(known: usize, missed: &[f64]) -> ([u8; DEGREES], L) {
+pub(crate) fn guess<L: Lane, const N: usize>(
+    known: usize,
+    differences: &[f64],
+    missed: &[f64],
+) -> ([L; N], L) {
+    let differences = &differences[..DEGREES * N * L::WIDTH];
     let missed = &missed[..DEGREES * L::WIDTH];
     let missed_by = |degree: usize| L::load(&missed[(degree - 1) * L::WIDTH..]);
-    // The quadratic unless another is better.
+    // Lanes in which each degree is taken, as bits: the quadratic unless another is better.
     let mut least = missed_by(2);
     let mut taken = [0; DEGREES];
     taken[1] = L::ALL;
@@ -103,26 +108,16 @@ pub(crate) fn best_degrees<L: Lane>(known: usize, missed: &[f64]) -> ([u8; DEGRE
             taken[degree - 1] = better;
         }
     }
-    (taken, least)
-}
-
-/// The increments of a step on lanes, each lane by its own degree.
-#[inline(always)]
-pub(crate) fn guess<L: Lane, const N: usize>(
-    degrees: &[u8; DEGREES],
-    differences: &[f64],
-) -> [L; N] {
-    let differences = &differences[..DEGREES * N * L::WIDTH];
     let mut sums = [L::splat(0.0); N];
     let mut beyond = L::ALL;
-    for (k, bits) in degrees.iter().enumerate() {
+    for (k, bits) in taken.into_iter().enumerate() {
         for i in 0..N {
             let sum = sums[i] + L::load(&differences[(k * N + i) * L::WIDTH..]);
             sums[i] = L::choose(beyond, sum, sums[i]);
         }
         beyond &= !bits;
     }
-    sums
+    (sums, least)
 }
 
 struct Guess<'a> {

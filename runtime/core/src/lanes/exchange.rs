@@ -143,6 +143,7 @@ impl Vector {
             self.t[lane] = around.t;
             if self.h[lane] != around.h {
                 (self.h[lane], self.per_h[lane]) = (around.h, 1.0 / around.h);
+                self.renewal.forget();
             }
             self.tolerance[lane] = around.tolerance;
         }
@@ -159,6 +160,9 @@ impl Vector {
     /// Takes what it has been told for step `k` of a stretch.
     #[inline]
     pub(super) fn listen(&mut self, k: usize) {
+        if self.told.is_empty() {
+            return;
+        }
         let count = self.fed_rest.len() + self.fed_inputs.len() + self.fed_ends.len();
         let row = self.told.get(k * count..(k + 1) * count).unwrap_or_default();
         let mut row = row.iter();

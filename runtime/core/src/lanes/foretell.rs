@@ -13,16 +13,7 @@
 
 use super::vector::Vector;
 use crate::lane::{Lane, load, store};
-use crate::predict::{DEGREES, FADING, best_degrees, guess};
-
-/// Which guess is taken in each lane.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Choice {
-    /// Lanes that take the polynomial of each degree, as bits.
-    degrees: [u8; DEGREES],
-    /// Lanes that take the guess that knows vibrations instead.
-    foretold: u8,
-}
+use crate::predict::{FADING, guess};
 
 /// Third differences below this, relative to the coordinates, are rounding.
 const AUDIBLE: f64 = 1e-13;
@@ -30,70 +21,49 @@ const AUDIBLE: f64 = 1e-13;
 const THIRD: usize = 3;
 
 /// The increments of the step at hand, with `known` increments (at least 2) behind it.
-///
-/// Which guess is taken, and the matrix, are what had been learned one step before: so the evaluation
-/// waits for the last increment alone, and what that teaches is worked out beside it.
 #[inline(always)]
 pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usize) -> [L; N] {
-    let choice = vector.choice.unwrap_or_else(|| Choice {
-        degrees: best_degrees::<L>(known, &vector.missed).0,
-        foretold: 0,
-    });
-    let mut chosen = guess::<L, N>(&choice.degrees, &vector.differences);
-    let is_followed = known > THIRD + 1;
-    let mut smooth = chosen;
-    let differences = |k: usize| load::<L, N>(&vector.differences[k * N * L::WIDTH..]);
-    let lead = differences(THIRD);
-    if is_followed {
-        smooth = differences(0);
-        for k in 1..=THIRD + 1 {
-            let difference = differences(k);
-            for i in 0..N {
-                smooth[i] = smooth[i] + difference[i];
-            }
-        }
-        let foretold = echoed(&smooth, &lead, &vector.echo);
-        for i in 0..N {
-            chosen[i] = L::choose(choice.foretold, foretold[i], chosen[i]);
-        }
-    }
     if vector.is_foretold {
         learn::<L, N>(vector);
     }
-    let (degrees, least) = best_degrees::<L>(known, &vector.missed);
-    let better = match vector.is_foretold {
-        true => L::load(&vector.missed_echo).less(least),
-        false => 0,
-    };
-    vector.choice = Some(Choice { degrees, foretold: better });
-    if is_followed {
-        store(&smooth, &mut vector.smooth);
-        store(&lead, &mut vector.lead);
-        vector.is_foretold = true;
+    let (polynomial, least) = guess::<L, N>(known, &vector.differences, &vector.missed);
+    if known <= THIRD + 1 {
+        return polynomial;
     }
-    chosen
-}
-
-/// The guess of highest degree and what the matrix makes of the third differences.
-#[inline(always)]
-fn echoed<L: Lane, const N: usize>(smooth: &[L; N], lead: &[L; N], echo: &[f64]) -> [L; N] {
-    let echo = &echo[..N * N * L::WIDTH];
-    let mut foretold = *smooth;
+    let differences = |k: usize| load::<L, N>(&vector.differences[k * N * L::WIDTH..]);
+    let (lead, mut foretold) = (differences(THIRD), differences(0));
+    for k in 1..=THIRD + 1 {
+        let difference = differences(k);
+        for i in 0..N {
+            foretold[i] = foretold[i] + difference[i];
+        }
+    }
+    let echo = &vector.echo[..N * N * L::WIDTH];
     for i in 0..N {
         for j in 0..N {
             let entry = L::load(&echo[(i * N + j) * L::WIDTH..]);
             foretold[i] = entry.neg_mul_add(lead[j], foretold[i]);
         }
     }
-    foretold
+    store(&foretold, &mut vector.foretold);
+    store(&lead, &mut vector.lead);
+    let better = match vector.is_foretold {
+        true => L::load(&vector.missed_echo).less(least),
+        false => 0,
+    };
+    vector.is_foretold = true;
+    let mut chosen = polynomial;
+    for i in 0..N {
+        chosen[i] = L::choose(better, foretold[i], polynomial[i]);
+    }
+    chosen
 }
 
-/// Learns from the last step: what the matrix at hand would have foretold of it.
+/// Learns from the last step.
 #[inline(always)]
 fn learn<L: Lane, const N: usize>(vector: &mut Vector) {
     let per_size = load::<L, N>(&vector.per_size);
-    let (lead, smooth) = (load::<L, N>(&vector.lead), load::<L, N>(&vector.smooth));
-    let foretold = echoed(&smooth, &lead, &vector.echo);
+    let (lead, foretold) = (load::<L, N>(&vector.lead), load::<L, N>(&vector.foretold));
     let mut missed = load::<L, N>(&vector.differences);
     let mut weighted = lead;
     let (mut square, mut size) = (L::splat(0.0), L::splat(0.0));
@@ -122,7 +92,7 @@ fn learn<L: Lane, const N: usize>(vector: &mut Vector) {
 mod tests {
     use super::super::vector::Counts;
     use super::*;
-    use crate::predict::shift;
+    use crate::predict::{DEGREES, shift};
 
     /// Increments of two vibrations of 0.9 and 0.4 rad a step, along directions that are not
     /// orthogonal, and a slow motion.

@@ -201,9 +201,6 @@ fn step<
     let mut balances = vector
         .has_balances
         .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
-    if vector.made_for != vector.h {
-        vector.renewal.forget();
-    }
     let serves = !vector.renewal.begin(vector.h[0]);
     let Vector { constants, inverse, mass, sensitivity, .. } = &mut *vector;
     let mut kept = Kept { inverse, mass, sensitivity, serves };
@@ -211,7 +208,6 @@ fn step<
     let serves = kept.serves;
     if end.matrices > 0 {
         vector.renewal.made(vector.h[0]);
-        vector.made_for = vector.h;
     }
     vector.renewal.end(end.iterations);
     if !serves {

@@ -1,7 +1,6 @@
 //! The numbers of one vector of lanes.
 
 use super::course::Course;
-use super::foretell::Choice;
 use crate::lane::WIDEST;
 use crate::predict::DEGREES;
 use crate::step::Renewal;
@@ -67,24 +66,19 @@ pub(crate) struct Vector {
     /// How far a guess of each degree has lately missed.
     pub(super) missed: Vec<f64>,
 
-    /// The last step's guess of highest degree, the third differences that led what knows vibrations, and
-    /// the matrix that it has learned, by rows; how far it has lately missed; whether there was one.
-    pub(super) smooth: Vec<f64>,
+    /// What the last step's guess was if it knew vibrations, by which differences it was led, and the
+    /// matrix that it has learned, by rows; how far it has lately missed; whether there was one.
+    pub(super) foretold: Vec<f64>,
     pub(super) lead: Vec<f64>,
     pub(super) echo: Vec<f64>,
     pub(super) missed_echo: [f64; WIDEST],
     pub(super) is_foretold: bool,
-    /// Which guess the next step takes, if that is known.
-    pub(super) choice: Option<Choice>,
 
     /// The inverse of the Newton matrix that is kept from step to step and the mass matrix, by rows;
-    /// what rounding of the
-    /// coordinates does to each equation; steps for which they were made (s), and when they are made
-    /// anew.
+    /// what rounding of the coordinates does to each equation; and when they are made anew.
     pub(super) inverse: Vec<f64>,
     pub(super) mass: Vec<f64>,
     pub(super) sensitivity: Vec<f64>,
-    pub(super) made_for: [f64; WIDEST],
     pub(super) renewal: Renewal,
 
     /// Increments of the step at hand.
@@ -160,16 +154,14 @@ impl Vector {
             q: room(counts.coordinates),
             p: room(counts.unknowns),
             v: room(counts.unknowns),
-            smooth: room(counts.unknowns),
+            foretold: room(counts.unknowns),
             lead: room(counts.unknowns),
             echo: room(counts.unknowns * counts.unknowns),
             missed_echo: [0.0; WIDEST],
             is_foretold: false,
-            choice: None,
             inverse: room(counts.unknowns * counts.unknowns),
             mass: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
-            made_for: [0.0; WIDEST],
             renewal: Renewal::new(PRICE),
             past: room(counts.unknowns),
             stiffest: room(counts.unknowns),
@@ -216,7 +208,6 @@ impl Vector {
     /// Forgets what speeds steps up, and where motions were.
     pub(super) fn forget(&mut self) {
         self.is_foretold = false;
-        self.choice = None;
         self.echo.fill(0.0);
         self.missed_echo.fill(0.0);
         self.renewal.forget();
