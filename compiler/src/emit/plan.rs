@@ -3,7 +3,7 @@
 
 use super::code::Output;
 use crate::graph::{Binary, Node, Sym, Unary, node, reachable};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Expressions with more operations than this are cut into variables, for the reader's sake.
 const LARGEST_EXPRESSION: u32 = 5;
@@ -133,12 +133,7 @@ impl Plan {
                     continue;
                 }
                 let of_this = node(symbol);
-                let is_sum = match of_this {
-                    Node::Binary(Binary::Add | Binary::Sub, ..) => true,
-                    Node::Unary(Unary::Neg, _) => false,
-                    _ if symbol == value => false,
-                    _ => continue,
-                };
+                let is_sum = matches!(of_this, Node::Binary(Binary::Add | Binary::Sub, ..));
                 if is_sum || symbol == value {
                     first.insert(symbol, output);
                 }
@@ -234,9 +229,10 @@ impl Plan {
             facts.named = named || too_large;
         }
         // A partial sum that waits while others are made is a variable.
+        let results: HashSet<Sym> = values.iter().copied().collect();
         for pair in self.sums.windows(2) {
             let [(sum, _), (next, _)] = [pair[0], pair[1]];
-            if !values.contains(&sum) && !node(next).operands().any(|operand| operand == sum) {
+            if !results.contains(&sum) && !node(next).operands().any(|operand| operand == sum) {
                 self.facts.entry(sum).or_default().named = true;
             }
         }

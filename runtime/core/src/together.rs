@@ -131,12 +131,13 @@ impl<M: Model> Together<M> {
         lanes.begin(&around);
         lanes.tell(&told);
         for k in 1..count {
-            let mut rows = active.iter().map_while(|&number| runs[number].told(k));
-            if !told
-                .iter_mut()
-                .take(active.len())
-                .all(|told| rows.next().map(|row| *told = row).is_some())
-            {
+            let mut changes = false;
+            for (told, &number) in told.iter_mut().zip(active.iter()) {
+                if let Some(row) = runs[number].told(k) {
+                    (*told, changes) = (row, true);
+                }
+            }
+            if !changes {
                 break;
             }
             lanes.tell(&told);

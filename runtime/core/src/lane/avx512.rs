@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::vector::{methods, operators};
-use super::{Lane, Work};
+use super::{Lane, Work, root};
 use std::arch::x86_64::*;
 
 /// Four numbers.
@@ -78,7 +78,7 @@ macro_rules! masked {
         }
         #[inline(always)]
         fn sqrt_recip(self) -> ($vector, $vector) {
-            roots(self, $vector(unsafe { $estimate(self.0) }))
+            root::refined(self, $vector(unsafe { $estimate(self.0) }))
         }
         #[inline(always)]
         fn less(self, other: $vector) -> u8 {
@@ -180,22 +180,6 @@ impl Lane for Z8 {
     fn from_lanes(of: impl Fn(usize) -> f64) -> Z8 {
         Z8(unsafe { _mm512_setr_pd(of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)) })
     }
-}
-
-/// Root and reciprocal of `x` from an estimate of the reciprocal to 14 bits: its error goes from e to
-/// e³ and then to e² (Goldschmidt's iteration). The exact instructions, of which one is done at a time,
-/// take four times as long.
-#[inline(always)]
-fn roots<L: Lane>(x: L, estimate: L) -> (L, L) {
-    let (one, half) = (L::splat(1.0), L::splat(0.5));
-    let off = (x * estimate).neg_mul_add(estimate, one);
-    let series = L::splat(0.375).mul_add(off, half);
-    let reciprocal = (estimate * off).mul_add(series, estimate);
-    let root = x * reciprocal;
-    let off = half * root.neg_mul_add(reciprocal, one);
-    let is_zero = x.equal(L::splat(0.0));
-    let root = L::choose(is_zero, x, root.mul_add(off, root));
-    (root, L::choose(is_zero, estimate, reciprocal.mul_add(off, reciprocal)))
 }
 
 /// There is no instruction's name for it.

@@ -16,6 +16,8 @@ mod avx2;
 mod avx512;
 mod exponential;
 mod machine;
+#[cfg(target_arch = "x86_64")]
+mod root;
 mod sine;
 pub(crate) mod sweep;
 #[cfg(target_arch = "x86_64")]
@@ -132,8 +134,8 @@ pub trait Lane:
         Self::from_lanes(|i| function(self.lane(i), other.lane(i)))
     }
     /// Sine and cosine (rad), each within one unit in the last place, one and a half beyond ten
-    /// radians. A vector answers NaN where the angle is beyond [`sine::LARGEST_ANGLE`]: a call of the library amid the equations would cost
-    /// every value that waits in a register.
+    /// radians. A vector answers NaN where the angle is beyond [`sine::LARGEST_ANGLE`]: a call of the
+    /// library amid the equations would cost every value that waits in a register.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         sine::reduced(self)
