@@ -88,8 +88,8 @@ impl Plan {
     /// partial sums that they are made of. Empty where it goes output by output.
     ///
     /// The mechanics goes from term to term and adds each to all results that it touches. In this order
-    /// what belongs to one term, such as a strand, is done with before the next begins, so that few
-    /// values wait; result by result all terms would wait for the last.
+    /// what belongs to one term, such as a strand, stands together, as a reader looks for it. For the
+    /// compiler behind it the order makes no difference.
     pub fn sums(&self) -> &[(Sym, usize)] {
         &self.sums
     }

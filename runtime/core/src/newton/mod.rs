@@ -14,6 +14,7 @@
 //! changes the impulse. How wrong that has been for the correction before tells whether it will do.
 
 mod inverse;
+mod masked;
 mod scale;
 mod secant;
 
@@ -22,6 +23,7 @@ use crate::lane::{Lane, load, store};
 use crate::shape::{Local, Shape};
 use crate::step::{KEEP_FACTORS, LINEAR_END, STAGNATION};
 use inverse::{invert, multiply};
+use masked::{correct, hold};
 pub(crate) use scale::Balances;
 use scale::{merit, per_scales, sensitivities};
 use secant::Secant;
@@ -307,31 +309,4 @@ pub(crate) fn newton<
     kept.serves = false;
     end.failed = !done & L::ALL;
     end
-}
-
-/// Keeps the force of lanes that are done.
-#[inline(always)]
-fn hold<L: Lane, const N: usize>(bits: u8, force: &[L; N], kept: &mut [L; N]) {
-    if bits == L::ALL {
-        *kept = *force;
-        return;
-    }
-    for i in 0..N {
-        kept[i] = L::choose(bits, force[i], kept[i]);
-    }
-}
-
-/// Corrects the increment in the lanes whose bits are set. Where all are, nothing waits for the bits,
-/// which come late: the processor goes on before it knows them.
-#[inline(always)]
-fn correct<L: Lane, const N: usize, const Q: usize>(bits: u8, delta: &mut [L; Q], by: &[L; N]) {
-    if bits == L::ALL {
-        for i in 0..N {
-            delta[i] = delta[i] - by[i];
-        }
-        return;
-    }
-    for i in 0..N {
-        delta[i] = L::choose(bits, delta[i] - by[i], delta[i]);
-    }
 }
