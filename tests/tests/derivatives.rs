@@ -151,6 +151,32 @@ fn mass_matrix() {
     });
 }
 
+/// By how much momenta change with the increment of a step.
+#[test]
+fn momentum_matrix() {
+    everywhere("momentum matrix", |oracle, place| {
+        let (structure, n) = (&oracle.structure, place.q.len());
+        let size = structure.blocks.iter().map(|b| b.coordinates.len().pow(2)).sum();
+        let h = 0.05;
+        let mut matrix = vec![0.0; size];
+        oracle.kernels(|mechanics, workspace| {
+            mechanics.momentum_matrix(workspace, &place.q, &place.v, 1.0 / h, &mut matrix);
+        });
+        let free: Vec<usize> = (0..n).filter(|&i| structure.slots[i].is_some()).collect();
+        let (mut found, mut expected) = (Vec::new(), Vec::new());
+        for &j in &free {
+            let (mut q, mut v) = (fixed(&place.q), fixed(&place.v));
+            (q[j].slope, v[j].slope) = (0.5, structure.rate_weight(j) / h);
+            let (momentum, _) = evaluate_dual(oracle, &q, &v, place);
+            for &i in &free {
+                found.push(structure.slot(i, j).map_or(0.0, |slot| matrix[slot]));
+                expected.push(momentum[i].slope);
+            }
+        }
+        compare("momentum matrix", &oracle.mechanism.name, free.len(), &found, &expected)
+    });
+}
+
 #[test]
 fn strand_lengths_and_moment_arms() {
     everywhere("lengths and moment arms", |oracle, place| {

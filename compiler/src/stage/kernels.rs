@@ -7,6 +7,7 @@ use crate::emit::{Output, Place};
 use crate::graph::{Leaf, Sym};
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
+use handc_core::shape::FEW;
 use handc_runtime::mechanism::Law;
 
 /// The results of a kernel as outputs to `array`, labelled by `label`; zeros are left out where the
@@ -57,10 +58,12 @@ pub(super) fn parts(symbols: &Symbols) -> Vec<Task> {
     let zeros = |count| vec![Sym::zero(); count];
     let size = structure.blocks.iter().map(|b| b.coordinates.len().pow(2)).sum();
     let (mut momentum, mut force) = (zeros(structure.count), zeros(structure.count));
-    let (mut matrix, mut mass) = (zeros(size), zeros(size));
+    let (mut matrix, mut mass, mut by_increment) = (zeros(size), zeros(size), zeros(size));
     let step = Sym::leaf(Leaf::Step);
     mechanics.evaluate(&mut workspace, &at, &mut momentum, &mut force, Some((step, &mut matrix)));
     mechanics.mass_matrix(&mut workspace, &symbols.q, &mut mass);
+    let by_h = step.recip();
+    mechanics.momentum_matrix(&mut workspace, &symbols.q, &symbols.v, by_h, &mut by_increment);
     let mut lengths = zeros(symbols.mechanism.strands.len());
     mechanics.strand_lengths(&mut workspace, &symbols.q, &mut lengths);
     let name = |coordinate: usize| symbols.mechanism.coordinates[coordinate].name.clone();
@@ -97,6 +100,13 @@ pub(super) fn parts(symbols: &Symbols) -> Vec<Task> {
             all,
         ));
         tasks.push(task("mass_matrix", "Mass matrix M = ∂²L/∂v².", packed("matrix", &mass)));
+        if part.is_block && part.coordinates.len() <= FEW {
+            tasks.push(task(
+                "momentum_matrix",
+                "By how much the momentum changes with the increment of a step: M/h + ½∂p/∂q.",
+                packed("matrix", &by_increment),
+            ));
+        }
         let own = (0..lengths.len())
             .filter(|&strand| part_of[strand] == Some(number))
             .map(|strand| (strand, lengths[strand]));

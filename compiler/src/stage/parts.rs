@@ -13,6 +13,8 @@ pub struct Part<'a> {
     pub matrix: usize,
     /// How far its rows of the matrix are apart.
     pub width: usize,
+    /// Whether it is a block of its own, without constraints.
+    pub is_block: bool,
 }
 
 impl Part<'_> {
@@ -36,6 +38,7 @@ pub fn parts<'a>(blocks: &'a [Block]) -> Vec<Part<'a>> {
             matrix: block.matrix_offset + range.start * (width + 1),
             coordinates: &block.coordinates[range],
             width,
+            is_block: block.rows.is_empty(),
         })
     };
     blocks.iter().flat_map(of_block).collect()

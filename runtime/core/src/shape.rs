@@ -10,6 +10,11 @@ use crate::array::sized_mut;
 use crate::lane::Lane;
 use crate::model::Midpoint;
 
+/// The Newton matrix of a block of so many unknowns is made anew in every step on lanes, and leads to
+/// its end in one correction; where there are more its factors would cost more than further
+/// evaluations.
+pub const FEW: usize = 6;
+
 /// Where the numbers of a part stand in the model's vectors.
 ///
 /// `Q` coordinates, of which the part's own come first and others that it reads after them; `S`
@@ -72,6 +77,11 @@ pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, 
     );
     /// Mass matrix.
     fn mass_matrix<L: Lane>(q: &[L; Q], constants: &[f64], matrix: &mut [L; M]);
+    /// By how much the momentum changes with the increment, M/h + ½∂p/∂q; asked of blocks without
+    /// constraints that have few unknowns ([`FEW`]).
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn momentum_matrix<L: Lane>(at: &Local<L, Q, S, U>, constants: &[f64], matrix: &mut [L; M]) {}
     /// Lengths of the strands (m).
     fn lengths<L: Lane>(q: &[L; Q], constants: &[f64], lengths: &mut [L; S]);
 }

@@ -31,8 +31,23 @@ impl<S: Scalar> Mechanics<'_, S> {
 
     /// Mass matrix at q over the dynamic coordinates, packed by block (kg·m², kg·m or kg).
     pub fn mass_matrix(&self, workspace: &mut Workspace<S>, q: &[S], matrix: &mut [S]) {
+        // At rest momenta do not change with the coordinates.
+        let rest = vec![S::zero(); self.structure.count];
+        self.momentum_matrix(workspace, q, &rest, S::one(), matrix);
+    }
+
+    /// By how much momenta change with the increment of a step 1/`by_h` at its midpoint: M/h + ½∂p/∂q,
+    /// packed as the mass matrix.
+    pub fn momentum_matrix(
+        &self,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        v: &[S],
+        by_h: S,
+        matrix: &mut [S],
+    ) {
         matrix.fill(S::zero());
         self.prepare(workspace, q);
-        self.add_mass_matrix(workspace, q, matrix);
+        self.add_momentum_matrix(workspace, q, v, by_h, matrix);
     }
 }

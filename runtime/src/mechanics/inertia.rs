@@ -213,34 +213,48 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// The mass matrix at the prepared coordinates, packed.
-    pub(crate) fn add_mass_matrix(&self, workspace: &mut Workspace<S>, q: &[S], matrix: &mut [S]) {
+    /// Adds M/h + ½∂p/∂q at the prepared coordinates, packed.
+    pub(crate) fn add_momentum_matrix(
+        &self,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        v: &[S],
+        by_h: S,
+        matrix: &mut [S],
+    ) {
+        let half = S::constant(0.5);
         for tree in self.structure.trees.iter().filter(|tree| !tree.is_static) {
             self.place_tree(workspace, tree, q);
-            let zero = vec![S::zero(); self.structure.count];
-            self.move_tree(workspace, tree, &zero);
+            self.move_tree(workspace, tree, v);
             self.place_lumps(workspace, tree);
             let mut write = |row: usize, column: usize, value: S| {
-                for (r, c) in [(row, column), (column, row)] {
-                    if let Some(slot) = self.structure.slot(r, c) {
-                        matrix[slot] = value;
-                    }
+                if let Some(slot) = self.structure.slot(row, column) {
+                    matrix[slot] = value;
                 }
             };
             for &run in &tree.runs {
-                self.move_run(workspace, run, tree.base == Some(run), &zero);
-                self.write_run_mass(workspace, run, &mut write);
+                self.move_run(workspace, run, tree.base == Some(run), v);
+                self.write_run_momentum_matrix(workspace, run, by_h, &mut write);
                 self.load_parent(workspace, run);
             }
             self.sum_subtrees(workspace, tree);
             let scratch = &workspace.inertia;
             for &j in &tree.links {
-                let momentum = scratch.inertia[j as usize].times(&scratch.screw[j as usize]);
-                let row = self.structure.coordinate_of[j as usize];
+                let l = j as usize;
+                let (inertia, screw) = (&scratch.inertia[l], &scratch.screw[l]);
+                let f = inertia.times(screw);
+                let e = inertia.times(&scratch.screw_dot[l]);
+                let e = e.plus(&screw.cross_force(&scratch.momentum[l]));
+                let row = self.structure.coordinate_of[l];
                 let mut at = Some(j);
                 while let Some(k) = at {
                     let column = self.structure.coordinate_of[k as usize];
-                    write(row, column, scratch.screw[k as usize].dot(&momentum));
+                    let (s, s_dot) = (&scratch.screw[k as usize], &scratch.screw_dot[k as usize]);
+                    let mass = s.dot(&f) * by_h;
+                    write(row, column, mass + half * s_dot.dot(&f));
+                    if k != j {
+                        write(column, row, mass + half * s.dot(&e));
+                    }
                     at = self.structure.parents[k as usize];
                 }
             }

@@ -8,9 +8,9 @@ use super::foretell::foretell;
 use super::vector::Vector;
 use super::{LaneVisitor, RUNS};
 use crate::internal;
-use crate::lane::{Lane, Work, call, load, store};
-use crate::newton::{Balances, Kept, Start, newton};
-use crate::shape::{Place, Shape};
+use crate::lane::{Lane, WIDEST, Work, call, load, store};
+use crate::newton::{Balances, Kept, LOOK, Memory, Start, direct, newton};
+use crate::shape::{FEW, Place, Shape};
 use std::marker::PhantomData;
 
 /// Steps of all vectors, shape by shape.
@@ -201,18 +201,34 @@ fn step<
     let mut balances = vector
         .has_balances
         .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
-    let serves = !vector.renewal.begin(vector.h[0]);
-    let Vector { constants, inverse, mass, sensitivity, .. } = &mut *vector;
-    let mut kept = Kept { inverse, mass, sensitivity, serves };
-    let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
-    let serves = kept.serves;
-    if end.matrices > 0 {
-        vector.renewal.made(vector.h[0]);
-    }
-    vector.renewal.end(end.iterations);
-    if !serves {
-        vector.renewal.forget();
-    }
+    let end = match N <= FEW {
+        true => {
+            let is_new = vector.direct_for != Some(vector.h[0]);
+            if is_new {
+                vector.direct_for = Some(vector.h[0]);
+                vector.trusted = [0.0; WIDEST];
+            }
+            let looks = known.is_multiple_of(LOOK);
+            let Vector { constants, sensitivity, trusted, .. } = &mut *vector;
+            let mut memory = Memory { sensitivity, is_due: is_new || looks, trusted };
+            direct::<L, Sh, N, M, Q, S, U>(&start, constants, &mut memory, &mut balances, looks)
+        }
+        false => {
+            let serves = !vector.renewal.begin(vector.h[0]);
+            let Vector { constants, inverse, mass, sensitivity, .. } = &mut *vector;
+            let mut kept = Kept { inverse, mass, sensitivity, serves };
+            let end = newton::<L, Sh, N, M, Q, S, U>(&start, constants, &mut kept, &mut balances);
+            let serves = kept.serves;
+            if end.matrices > 0 {
+                vector.renewal.made(vector.h[0]);
+            }
+            vector.renewal.end(end.iterations);
+            if !serves {
+                vector.renewal.forget();
+            }
+            end
+        }
+    };
     if let Some(balances) = balances {
         store(&balances.stiffest, &mut vector.stiffest);
     }

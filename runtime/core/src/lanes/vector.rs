@@ -80,6 +80,10 @@ pub(crate) struct Vector {
     pub(super) mass: Vec<f64>,
     pub(super) sensitivity: Vec<f64>,
     pub(super) renewal: Renewal,
+    /// For which step (s) sensitivities were made where the matrix is made in every step, and the
+    /// longest correction to be trusted.
+    pub(super) direct_for: Option<f64>,
+    pub(super) trusted: [f64; WIDEST],
 
     /// Increments of the step at hand.
     pub(super) delta: Vec<f64>,
@@ -163,6 +167,8 @@ impl Vector {
             mass: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
             renewal: Renewal::new(PRICE),
+            direct_for: None,
+            trusted: [0.0; WIDEST],
             past: room(counts.unknowns),
             stiffest: room(counts.unknowns),
             delta: room(counts.unknowns),
@@ -211,6 +217,7 @@ impl Vector {
         self.echo.fill(0.0);
         self.missed_echo.fill(0.0);
         self.renewal.forget();
+        self.direct_for = None;
         self.courses.iter_mut().for_each(Course::forget);
     }
 

@@ -13,6 +13,7 @@
 //! from the equation itself: of the residual that it takes away, what does not change the momentum
 //! changes the impulse. How wrong that has been for the correction before tells whether it will do.
 
+mod direct;
 mod inverse;
 mod masked;
 mod scale;
@@ -22,6 +23,7 @@ use crate::internal::RATE;
 use crate::lane::{Lane, load, store};
 use crate::shape::{Local, Shape};
 use crate::step::{KEEP_FACTORS, LINEAR_END, STAGNATION};
+pub(crate) use direct::{LOOK, Memory, direct};
 use inverse::{invert, multiply};
 use masked::{correct, hold};
 pub(crate) use scale::Balances;

@@ -94,6 +94,16 @@ impl<S: Scalar> Turned<S> {
             + turn_dot(self.moment.vector, self.before_rate)
             + (xz * x + yz * y + polar * z)
     }
+    /// ∂²T/∂θ∂θ̇.
+    #[inline]
+    pub(super) fn momentum_dq_own(&self) -> S {
+        let ([x, y, _], [xz, yz]) = (self.spin.0, self.tilt);
+        let across = |x: Vec3<S>, v: Vec3<S>| x.0[0] * v.0[0] + x.0[1] * v.0[1];
+        xz * y
+            - yz * x
+            - across(self.offset.vector, self.beyond_rate)
+            - across(self.moment.vector, self.before_rate)
+    }
     /// ∂T/∂θ.
     #[inline]
     pub(super) fn force(&self) -> S {

@@ -195,37 +195,56 @@ impl<S: Scalar> Mechanics<'_, S> {
         }
     }
 
-    /// The mass matrix of a run that has been moved, written to both sides of `matrix`.
-    pub(crate) fn write_run_mass(
+    /// M/h + ½∂p/∂q of a run that has been moved, between its own coordinates and between them and
+    /// those of its ancestors.
+    pub(crate) fn write_run_momentum_matrix(
         &self,
         workspace: &mut Workspace<S>,
         index: usize,
+        by_h: S,
         mut write: impl FnMut(usize, usize, S),
     ) {
         let (run, numbers) = (&self.structure.runs[index], &self.numbers.runs[index]);
         let coordinate = |link: u32| self.structure.coordinate_of[link as usize];
+        let half = S::constant(0.5);
         let scratch = &mut workspace.run;
         scratch.even.clear();
+        scratch.odd.clear();
         for (i, turned) in scratch.links.iter().enumerate() {
             for before in &scratch.links[..i] {
                 let (d, b) = (before.offset.vector, turned.moment.vector);
-                scratch.even.push(d.0[0] * b.0[0] + d.0[1] * b.0[1]);
+                let mass = d.0[0] * b.0[0] + d.0[1] * b.0[1];
+                let lever = turn_dot(d, b).scale(0.25);
+                let (own, other) = (turned.spin.0[2], before.spin.0[2]);
+                scratch.even.push(mass * by_h + (other - own) * lever);
+                scratch.odd.push((other + own) * lever);
             }
-            scratch.even.push(numbers.links[i].polar);
+            scratch.even.push(numbers.links[i].polar * by_h + half * turned.momentum_dq_own());
+            scratch.odd.push(S::zero());
         }
         sum_even(&mut scratch.even, run.links.len());
+        sum_odd(&mut scratch.odd, run.links.len());
         for (i, &link) in run.links.iter().enumerate() {
             for (j, &before) in run.links[..=i].iter().enumerate() {
-                write(coordinate(link), coordinate(before), scratch.even[entry(i, j)]);
+                let (even, odd) = (scratch.even[entry(i, j)], scratch.odd[entry(i, j)]);
+                write(coordinate(link), coordinate(before), even + odd);
+                if j < i {
+                    write(coordinate(before), coordinate(link), even - odd);
+                }
             }
         }
         for &ancestor in &run.ancestors {
-            let screw = workspace.run.see(workspace.inertia.screws(ancestor).0);
-            let mut mass = S::zero();
+            let (screw, screw_dot) = workspace.inertia.screws(ancestor);
+            let (screw, screw_dot) = (workspace.run.see(screw), workspace.run.see(screw_dot));
+            let (mut below, mut above) = (S::zero(), S::zero());
             let links = workspace.run.links.iter().zip(&numbers.links);
             for (&link, (turned, numbers)) in run.links.iter().zip(links).rev() {
-                mass += screw.dot(&turned.momentum_dv(numbers.polar));
-                write(coordinate(link), coordinate(ancestor), mass);
+                let (dv, dq) = (turned.momentum_dv(numbers.polar), turned.momentum_dq());
+                let mass = screw.dot(&dv) * by_h;
+                below += mass + half * screw_dot.dot(&dv);
+                above += mass + half * screw.dot(&dq);
+                write(coordinate(link), coordinate(ancestor), below);
+                write(coordinate(ancestor), coordinate(link), above);
             }
         }
     }

@@ -1,0 +1,254 @@
+//! Newton's method of one step on lanes where the matrix is small: made anew and factored in every
+//! step, it leads to the end in one correction.
+//!
+//! The matrix of few coordinates costs hardly more than the residual, and its factors less than what a
+//! matrix of an earlier step would cost in further evaluations. A correction c with the matrix of where
+//! it begins leaves a residual of the order of c², so that from a good guess nothing is left; and by
+//! how much it changes the momentum is known from the momentum's own derivative. What has been known to
+//! lead below tolerance is remembered ([`Trust`]): a correction no longer than that ends the step without
+//! another evaluation. Now and then it is looked at all the same.
+
+use super::masked::{correct, hold};
+use super::scale::{Balances, merit, per_scales, sensitivities};
+use super::{End, Residual, Start, put_at};
+use crate::lane::{Lane, load, store};
+use crate::shape::{Local, Shape};
+use crate::step::{KEEP_FACTORS, STAGNATION};
+
+/// A pivot below this part of its row's largest entry wants pivoting.
+const SMALL_PIVOT: f64 = 1e-6;
+/// Evaluations before the step is given back.
+const PASSES: usize = 20;
+/// Residuals up to this many units of tolerance may be rounding.
+const LOUD: f64 = 2.0;
+/// After corrections longer than this the matrix is another.
+const FAR: f64 = 1e-4;
+/// Of so many steps one is looked at though its correction could be trusted.
+pub(crate) const LOOK: usize = 32;
+
+/// What is remembered from step to step, the lanes of one number side by side.
+pub(crate) struct Memory<'v> {
+    /// Σ|Jᵢⱼ|·size(j) of each row of the Newton matrix.
+    pub(crate) sensitivity: &'v mut [f64],
+    /// Whether it is to be made anew.
+    pub(crate) is_due: bool,
+    /// The longest correction that leads below tolerance, in units of the coordinates' sizes.
+    pub(crate) trusted: &'v mut [f64],
+}
+
+/// Takes the step in every lane; `looks` says that it is not to end unseen.
+#[inline(always)]
+pub(crate) fn direct<
+    L: Lane,
+    Sh: Shape<N, M, Q, S, U>,
+    const N: usize,
+    const M: usize,
+    const Q: usize,
+    const S: usize,
+    const U: usize,
+>(
+    start: &Start<L, N, Q, S, U>,
+    constants: &[f64],
+    memory: &mut Memory,
+    balances: &mut Option<Balances<L, N>>,
+    looks: bool,
+) -> End<L, N, Q> {
+    let zero = L::splat(0.0);
+    let half_h = L::splat(0.5) * start.h;
+    let per_half_h = start.per_h + start.per_h;
+    let mut local = Local {
+        q: start.q,
+        v: start.q,
+        t: start.t,
+        h: start.h,
+        rest: start.rest,
+        inputs: start.inputs,
+    };
+    let mut end =
+        End { delta: start.delta, force: [zero; N], iterations: 0, matrices: 0, failed: L::ALL };
+    let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
+    let mut per_scale = [zero; N];
+    let (mut factors, mut momentum_matrix) = ([zero; M], [zero; M]);
+    // The last correction, the force that it was to lead to, and the merit before it.
+    let (mut correction, mut foretold) = ([zero; N], [zero; N]);
+    let mut before = L::splat(f64::INFINITY);
+    let mut trusted = L::load(memory.trusted);
+    // Lengths of the last correction and of all since the matrix was made.
+    let (mut length, mut since) = (zero, zero);
+    let (mut renews, mut is_first) = (true, false);
+    let (mut done, mut good) = (0, L::ALL);
+    for pass in 0..PASSES {
+        put_at(&mut local, start, &end.delta, start.per_h, Sh::INTERNAL);
+        if renews {
+            end.matrices += 1;
+            let (momentum, force) = (&mut at.momentum, &mut at.force);
+            (factors, momentum_matrix) = ([zero; M], [zero; M]);
+            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut factors);
+            Sh::momentum_matrix(&local, constants, &mut momentum_matrix);
+            if memory.is_due {
+                store(&sensitivities(start, &factors, balances), memory.sensitivity);
+            }
+            good = factor::<L, N, M>(&mut factors);
+            since = zero;
+        } else {
+            Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
+        }
+        at.balance(start, half_h);
+        if renews {
+            per_scale = per_scales(start, &at, half_h, &load(memory.sensitivity));
+        }
+        let (merit, finite) = merit(&at.r, &per_scale);
+        let mut ends = merit.less_equal(L::splat(1.0)) & finite;
+        if pass > 0 {
+            if is_first {
+                let mut missed = merit;
+                for i in 0..N {
+                    let off = half_h * (at.force[i] - foretold[i]);
+                    missed = missed.max(off.abs() * per_scale[i]);
+                }
+                trusted = learned(trusted, length, missed, finite & !done);
+            }
+            // The residual hardly falls and the correction is rounding: the floor.
+            let mut largest = zero;
+            for i in 0..N {
+                let size = start.q[i].abs().max(start.size[i]);
+                largest = largest.max(correction[i].abs() / size);
+            }
+            ends |= (L::splat(0.1) * before).less(merit)
+                & largest.less_equal(L::splat(STAGNATION))
+                & finite;
+        }
+        ends &= !done;
+        if ends != 0 {
+            hold(ends, &at.force, &mut end.force);
+            done |= ends;
+        }
+        if done == L::ALL || good | done != L::ALL || (merit.less(before) & finite) | done != L::ALL
+        {
+            break;
+        }
+        if !renews {
+            // Fast enough, or but one more to go.
+            let fast = merit.less(L::splat(KEEP_FACTORS) * before)
+                | (merit * merit).less_equal(before)
+                | done;
+            if fast != L::ALL {
+                (renews, is_first) = (true, false);
+                continue;
+            }
+        }
+        let next = solve::<L, N, M>(&factors, &at.r);
+        length = zero;
+        for i in 0..N {
+            length = length.max(next[i].abs() * start.per_size[i]);
+        }
+        for i in 0..N {
+            let mut momentum = at.momentum[i];
+            for j in 0..N {
+                momentum = momentum_matrix[i * N + j].neg_mul_add(next[j], momentum);
+            }
+            foretold[i] = (momentum - start.p[i]) * per_half_h;
+        }
+        end.iterations += 1;
+        correct(!done & L::ALL, &mut end.delta, &next);
+        // What is left is of the order of the product of this correction and all since the matrix.
+        let squared = length * (since + since + length);
+        let ends = squared.less_equal(trusted * trusted) & finite & !done;
+        if ends != 0 && !looks {
+            hold(ends, &foretold, &mut end.force);
+            done |= ends;
+            if done == L::ALL {
+                break;
+            }
+        }
+        is_first = renews;
+        since = since + length;
+        renews = L::splat(FAR).less(length) & !done != 0;
+        (correction, before) = (next, merit);
+    }
+    trusted.store(memory.trusted);
+    end.failed = !done & L::ALL;
+    end
+}
+
+/// The longest correction to be trusted, when one of some length has missed by so many units of
+/// tolerance: what a correction leaves grows with its square.
+#[inline(always)]
+fn learned<L: Lane>(trusted: L, length: L, missed: L, bits: u8) -> L {
+    let shorter = length / missed.sqrt();
+    let is_loud = L::splat(LOUD).less(missed);
+    let now = L::choose(is_loud, shorter, trusted.max(length));
+    L::choose(bits, now, trusted)
+}
+
+/// Factors the matrix in place without pivoting: below the diagonal stand the factors of the rows, on
+/// it the reciprocals of the pivots. Returns the lanes where no pivot was small. The Newton matrix is
+/// a mass matrix but for terms in h.
+#[inline(always)]
+fn factor<L: Lane, const N: usize, const M: usize>(a: &mut [L; M]) -> u8 {
+    let mut good = L::ALL;
+    for k in 0..N {
+        let mut largest = L::splat(0.0);
+        for j in k..N {
+            largest = largest.max(a[k * N + j].abs());
+        }
+        let pivot = a[k * N + k];
+        good &= (L::splat(SMALL_PIVOT) * largest).less(pivot.abs());
+        // What such rounding leaves of a correction is far below what it leaves itself.
+        let reciprocal = pivot.rough_recip();
+        a[k * N + k] = reciprocal;
+        for i in k + 1..N {
+            let factor = a[i * N + k] * reciprocal;
+            a[i * N + k] = factor;
+            for j in k + 1..N {
+                a[i * N + j] = factor.neg_mul_add(a[k * N + j], a[i * N + j]);
+            }
+        }
+    }
+    good
+}
+
+/// Solves for one right-hand side.
+#[inline(always)]
+fn solve<L: Lane, const N: usize, const M: usize>(factors: &[L; M], b: &[L; N]) -> [L; N] {
+    let mut x = *b;
+    for i in 1..N {
+        for j in 0..i {
+            x[i] = factors[i * N + j].neg_mul_add(x[j], x[i]);
+        }
+    }
+    for i in (0..N).rev() {
+        for j in i + 1..N {
+            x[i] = factors[i * N + j].neg_mul_add(x[j], x[i]);
+        }
+        x[i] = x[i] * factors[i * N + i];
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_solve() {
+        let matrix = [4.0, 1.0, -0.5, 0.8, 3.0, 0.2, -0.4, 0.3, 2.0];
+        let mut factors = matrix;
+        assert_eq!(factor::<f64, 3, 9>(&mut factors), 1);
+        let x = solve::<f64, 3, 9>(&factors, &[1.0, -2.0, 0.5]);
+        for (row, expected) in matrix.chunks(3).zip([1.0, -2.0, 0.5]) {
+            let found: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
+            assert!((found - expected).abs() < 1e-15);
+        }
+        let mut singular = [1.0, 2.0, 2.0, 4.0];
+        assert_eq!(factor::<f64, 2, 4>(&mut singular), 0, "no pivot is left");
+    }
+
+    #[test]
+    fn trust_follows_what_corrections_miss() {
+        assert_eq!(learned(0.0, 1e-4, 1e6, 1), 1e-7, "a thousand times shorter");
+        assert_eq!(learned(1e-7, 1e-6, 2.0, 1), 1e-6, "longer has done");
+        assert_eq!(learned(1e-6, 1e-7, 2.0, 1), 1e-6, "shorter tells nothing");
+        assert_eq!(learned(1e-6, 1e-4, 1e6, 0), 1e-6, "another lane");
+    }
+}
