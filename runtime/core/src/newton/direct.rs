@@ -246,9 +246,9 @@ mod tests {
 
     #[test]
     fn trust_follows_what_corrections_miss() {
-        assert_eq!(learned(0.0, 1e-4, 1e6, 1), 1e-7, "a thousand times shorter");
-        assert_eq!(learned(1e-7, 1e-6, 2.0, 1), 1e-6, "longer has done");
-        assert_eq!(learned(1e-6, 1e-7, 2.0, 1), 1e-6, "shorter tells nothing");
-        assert_eq!(learned(1e-6, 1e-4, 1e6, 0), 1e-6, "another lane");
+        assert_eq!(learned(0.0, 0.5, 64.0, 1), 0.0625, "eight times shorter");
+        assert_eq!(learned(0.1, 0.5, 1.0, 1), 0.5, "a longer one has done");
+        assert_eq!(learned(0.5, 0.1, 1.0, 1), 0.5, "a shorter one tells nothing");
+        assert_eq!(learned(0.1, 0.5, 64.0, 0), 0.1, "another lane");
     }
 }
