@@ -83,41 +83,43 @@ pub(crate) fn shift<L: Lane>(increment: L, differences: &mut [f64], stride: usiz
     missed
 }
 
-/// The increments of a step on lanes by the degree that is best in each lane, with `known`
-/// increments (at least 2) behind it; and how far that degree has lately missed.
+/// Lanes in which each degree is best, as bits, with `known` increments (at least 2) behind the step;
+/// and how far the best has lately missed.
 #[inline(always)]
-pub(crate) fn guess<L: Lane, const N: usize>(
-    known: usize,
-    differences: &[f64],
-    missed: &[f64],
-) -> ([L; N], L) {
-    let differences = &differences[..DEGREES * N * L::WIDTH];
+pub(crate) fn best_degrees<L: Lane>(known: usize, missed: &[f64]) -> ([u8; DEGREES], L) {
     let missed = &missed[..DEGREES * L::WIDTH];
     let missed_by = |degree: usize| L::load(&missed[(degree - 1) * L::WIDTH..]);
-    // Lanes in which each degree is taken, as bits: the quadratic unless another is better.
+    // The quadratic unless another is better.
     let mut least = missed_by(2);
-    let mut taken = [0; DEGREES];
-    taken[1] = L::ALL;
+    let mut best = [0; DEGREES];
+    best[1] = L::ALL;
     for degree in 1..=DEGREES {
         if degree != 2 && degree < known {
             let better = missed_by(degree).less(least);
             least = least.min(missed_by(degree));
-            for other in &mut taken {
+            for other in &mut best {
                 *other &= !better;
             }
-            taken[degree - 1] = better;
+            best[degree - 1] = better;
         }
     }
+    (best, least)
+}
+
+/// The increments of a step on lanes by the degree that is best in each lane.
+#[inline(always)]
+pub(crate) fn guess<L: Lane, const N: usize>(best: [u8; DEGREES], differences: &[f64]) -> [L; N] {
+    let differences = &differences[..DEGREES * N * L::WIDTH];
     let mut sums = [L::splat(0.0); N];
     let mut beyond = L::ALL;
-    for (k, bits) in taken.into_iter().enumerate() {
+    for (k, bits) in best.into_iter().enumerate() {
         for i in 0..N {
             let sum = sums[i] + L::load(&differences[(k * N + i) * L::WIDTH..]);
             sums[i] = L::choose(beyond, sum, sums[i]);
         }
         beyond &= !bits;
     }
-    (sums, least)
+    sums
 }
 
 struct Guess<'a> {

@@ -77,11 +77,9 @@ pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, 
     );
     /// Mass matrix.
     fn mass_matrix<L: Lane>(q: &[L; Q], constants: &[f64], matrix: &mut [L; M]);
-    /// By how much the momentum changes with the increment, M/h + ½∂p/∂q; asked of blocks without
-    /// constraints that have few unknowns ([`FEW`]).
-    #[allow(unused_variables)]
-    #[inline(always)]
-    fn momentum_matrix<L: Lane>(at: &Local<L, Q, S, U>, constants: &[f64], matrix: &mut [L; M]) {}
+    /// By how much the momentum changes with the increment, M/h + ½∂p/∂q; asked only of blocks without
+    /// constraints that have [`FEW`] unknowns.
+    fn momentum_matrix<L: Lane>(at: &Local<L, Q, S, U>, constants: &[f64], matrix: &mut [L; M]);
     /// Lengths of the strands (m).
     fn lengths<L: Lane>(q: &[L; Q], constants: &[f64], lengths: &mut [L; S]);
 }

@@ -66,6 +66,10 @@ impl Shape<1, 1, 1, 1, 0> for Pendulum {
         matrix[0] = L::load(constants);
     }
 
+    fn momentum_matrix<L: Lane>(at: &Local<L, 1, 1, 0>, constants: &[f64], matrix: &mut [L; 1]) {
+        matrix[0] = L::load(constants) / at.h;
+    }
+
     fn lengths<L: Lane>(q: &[L; 1], _constants: &[f64], lengths: &mut [L; 1]) {
         lengths[0] = length(q[0])[0];
     }

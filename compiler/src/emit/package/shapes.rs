@@ -136,12 +136,7 @@ pub(super) fn table(
         method("evaluate_with_matrix", quote!(#local, #vectors, matrix: &mut [L; #m]), true);
     let mass =
         method("mass_matrix", quote!(q: &[L; #q], constants: &[f64], matrix: &mut [L; #m]), false);
-    let has = |name: &str| {
-        let of = |placed: &Placed| placed.module == Module::Part(number);
-        functions.iter().any(|placed| of(placed) && placed.emitted.name == name)
-    };
-    let by_increment = has("momentum_matrix")
-        .then(|| method("momentum_matrix", quote!(#local, matrix: &mut [L; #m]), true));
+    let by_increment = method("momentum_matrix", quote!(#local, matrix: &mut [L; #m]), true);
     let lengths =
         method("lengths", quote!(q: &[L; #q], constants: &[f64], lengths: &mut [L; #s]), false);
     let places_doc = doc_line("Where the numbers of each block stand.");

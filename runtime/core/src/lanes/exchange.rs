@@ -144,6 +144,7 @@ impl Vector {
             if self.h[lane] != around.h {
                 (self.h[lane], self.per_h[lane]) = (around.h, 1.0 / around.h);
                 self.renewal.forget();
+                self.is_tried = false;
             }
             self.tolerance[lane] = around.tolerance;
         }

@@ -13,7 +13,7 @@
 
 use super::vector::Vector;
 use crate::lane::{Lane, load, store};
-use crate::predict::{FADING, guess};
+use crate::predict::{FADING, best_degrees, guess};
 
 /// Third differences below this, relative to the coordinates, are rounding.
 const AUDIBLE: f64 = 1e-13;
@@ -26,9 +26,9 @@ pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usiz
     if vector.is_foretold {
         learn::<L, N>(vector);
     }
-    let (polynomial, least) = guess::<L, N>(known, &vector.differences, &vector.missed);
+    let (best, least) = best_degrees::<L>(known, &vector.missed);
     if known <= THIRD + 1 {
-        return polynomial;
+        return guess(best, &vector.differences);
     }
     let differences = |k: usize| load::<L, N>(&vector.differences[k * N * L::WIDTH..]);
     let (lead, mut foretold) = (differences(THIRD), differences(0));
@@ -52,6 +52,10 @@ pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usiz
         false => 0,
     };
     vector.is_foretold = true;
+    if better == L::ALL {
+        return foretold;
+    }
+    let polynomial = guess::<L, N>(best, &vector.differences);
     let mut chosen = polynomial;
     for i in 0..N {
         chosen[i] = L::choose(better, foretold[i], polynomial[i]);

@@ -201,16 +201,15 @@ fn step<
     let mut balances = vector
         .has_balances
         .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
+    let mut looks = known.is_multiple_of(LOOK);
     let end = match N <= FEW {
         true => {
-            let is_new = vector.direct_for != Some(vector.h[0]);
-            if is_new {
-                vector.direct_for = Some(vector.h[0]);
+            if !std::mem::replace(&mut vector.is_tried, true) {
                 vector.trusted = [0.0; WIDEST];
+                looks = true;
             }
-            let looks = known.is_multiple_of(LOOK);
             let Vector { constants, sensitivity, trusted, .. } = &mut *vector;
-            let mut memory = Memory { sensitivity, is_due: is_new || looks, trusted };
+            let mut memory = Memory { sensitivity, trusted };
             direct::<L, Sh, N, M, Q, S, U>(&start, constants, &mut memory, &mut balances, looks)
         }
         false => {

@@ -80,10 +80,10 @@ pub(crate) struct Vector {
     pub(super) mass: Vec<f64>,
     pub(super) sensitivity: Vec<f64>,
     pub(super) renewal: Renewal,
-    /// For which step (s) sensitivities were made where the matrix is made in every step, and the
-    /// longest correction to be trusted.
-    pub(super) direct_for: Option<f64>,
+    /// The longest correction to be trusted, in units of the coordinates' sizes, and whether anything
+    /// is known of it; where the matrix is made in every step.
     pub(super) trusted: [f64; WIDEST],
+    pub(super) is_tried: bool,
 
     /// Increments of the step at hand.
     pub(super) delta: Vec<f64>,
@@ -167,8 +167,8 @@ impl Vector {
             mass: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
             renewal: Renewal::new(PRICE),
-            direct_for: None,
             trusted: [0.0; WIDEST],
+            is_tried: false,
             past: room(counts.unknowns),
             stiffest: room(counts.unknowns),
             delta: room(counts.unknowns),
@@ -217,7 +217,7 @@ impl Vector {
         self.echo.fill(0.0);
         self.missed_echo.fill(0.0);
         self.renewal.forget();
-        self.direct_for = None;
+        self.is_tried = false;
         self.courses.iter_mut().for_each(Course::forget);
     }
 

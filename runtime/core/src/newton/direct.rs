@@ -30,13 +30,12 @@ pub(crate) const LOOK: usize = 32;
 pub(crate) struct Memory<'v> {
     /// Σ|Jᵢⱼ|·size(j) of each row of the Newton matrix.
     pub(crate) sensitivity: &'v mut [f64],
-    /// Whether it is to be made anew.
-    pub(crate) is_due: bool,
     /// The longest correction that leads below tolerance, in units of the coordinates' sizes.
     pub(crate) trusted: &'v mut [f64],
 }
 
-/// Takes the step in every lane; `looks` says that it is not to end unseen.
+/// Takes the step in every lane; `looks` says that it is not to end unseen, and sensitivities are to be
+/// made anew.
 #[inline(always)]
 pub(crate) fn direct<
     L: Lane,
@@ -55,7 +54,6 @@ pub(crate) fn direct<
 ) -> End<L, N, Q> {
     let zero = L::splat(0.0);
     let half_h = L::splat(0.5) * start.h;
-    let per_half_h = start.per_h + start.per_h;
     let mut local = Local {
         q: start.q,
         v: start.q,
@@ -85,7 +83,7 @@ pub(crate) fn direct<
             (factors, momentum_matrix) = ([zero; M], [zero; M]);
             Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut factors);
             Sh::momentum_matrix(&local, constants, &mut momentum_matrix);
-            if memory.is_due {
+            if looks {
                 store(&sensitivities(start, &factors, balances), memory.sensitivity);
             }
             good = factor::<L, N, M>(&mut factors);
@@ -94,6 +92,18 @@ pub(crate) fn direct<
             Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
         }
         at.balance(start, half_h);
+        if pass == 0 && !looks {
+            // What is trusted in all lanes needs no tolerances.
+            let next = solve::<L, N, M>(&factors, &at.r);
+            let ends = span(&next, start).less_equal(trusted) & good;
+            if ends == L::ALL {
+                end.iterations = 1;
+                correct(L::ALL, &mut end.delta, &next);
+                end.force = at.force_after(&next, &momentum_matrix, start);
+                end.failed = 0;
+                return end;
+            }
+        }
         if renews {
             per_scale = per_scales(start, &at, half_h, &load(memory.sensitivity));
         }
@@ -138,17 +148,8 @@ pub(crate) fn direct<
             }
         }
         let next = solve::<L, N, M>(&factors, &at.r);
-        length = zero;
-        for i in 0..N {
-            length = length.max(next[i].abs() * start.per_size[i]);
-        }
-        for i in 0..N {
-            let mut momentum = at.momentum[i];
-            for j in 0..N {
-                momentum = momentum_matrix[i * N + j].neg_mul_add(next[j], momentum);
-            }
-            foretold[i] = (momentum - start.p[i]) * per_half_h;
-        }
+        length = span(&next, start);
+        foretold = at.force_after(&next, &momentum_matrix, start);
         end.iterations += 1;
         correct(!done & L::ALL, &mut end.delta, &next);
         // What is left is of the order of the product of this correction and all since the matrix.
@@ -169,6 +170,40 @@ pub(crate) fn direct<
     trusted.store(memory.trusted);
     end.failed = !done & L::ALL;
     end
+}
+
+impl<L: Lane, const N: usize> Residual<L, N> {
+    /// The force of which a correction leaves no residual: the momentum then is what the step's first
+    /// momentum and half its impulse make.
+    #[inline(always)]
+    fn force_after<const M: usize, const Q: usize, const S: usize, const U: usize>(
+        &self,
+        correction: &[L; N],
+        momentum_matrix: &[L; M],
+        start: &Start<L, N, Q, S, U>,
+    ) -> [L; N] {
+        let mut force = self.momentum;
+        for i in 0..N {
+            for j in 0..N {
+                force[i] = momentum_matrix[i * N + j].neg_mul_add(correction[j], force[i]);
+            }
+            force[i] = (force[i] - start.p[i]) * (start.per_h + start.per_h);
+        }
+        force
+    }
+}
+
+/// Length of a correction, in units of the coordinates' sizes.
+#[inline(always)]
+fn span<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usize>(
+    correction: &[L; N],
+    start: &Start<L, N, Q, S, U>,
+) -> L {
+    let mut length = L::splat(0.0);
+    for i in 0..N {
+        length = length.max(correction[i].abs() * start.per_size[i]);
+    }
+    length
 }
 
 /// The longest correction to be trusted, when one of some length has missed by so many units of
