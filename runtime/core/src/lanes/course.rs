@@ -3,6 +3,7 @@
 //! A motion goes from pose to pose, see [`crate::motion`]. Every lane keeps the part it is in as the
 //! pose where that begins and the change to where it ends, until a lane comes to another part.
 
+use super::measure::{MeasuredAhead, rows_are_alike};
 use super::vector::Vector;
 use crate::lane::{Lane, WIDEST};
 use crate::motion::Part;
@@ -40,13 +41,20 @@ impl Follows {
 
     /// One course for each motion that any of a vector's strands follows.
     pub(super) fn courses(&self, vector: &Vector) -> Vec<Course> {
-        let rows = || vector.strands.chunks_exact(vector.width);
+        let width = vector.width;
+        let rows = || vector.strands.chunks_exact(width);
+        let all: u8 = (0..width).map(|lane| 1 << lane).sum();
+        let has_like_constants = rows_are_alike(&vector.constants, width);
         let of = |(motion, strands): &(usize, Vec<usize>)| {
             let bits = |row: &[usize]| {
                 let follows = row.iter().enumerate().filter(|(_, s)| strands.contains(s));
                 follows.map(|(lane, _)| 1 << lane).sum()
             };
-            Course::new(*motion, rows().map(bits).collect(), vector.coordinates.len())
+            let followers: Vec<u8> = rows().map(bits).collect();
+            let has_like_lanes =
+                has_like_constants && followers.iter().all(|&bits| bits == 0 || bits == all);
+            let counts = [vector.coordinates.len(), vector.strands.len()];
+            Course::new(*motion, followers, has_like_lanes, counts)
         };
         self.list.iter().map(of).filter(|c| c.followers.iter().any(|&bits| bits != 0)).collect()
     }
@@ -80,10 +88,23 @@ pub(super) struct Course {
     moves: bool,
     /// Whether the natural lengths belong to the pose, and it rests.
     pub(super) is_measured: bool,
+    /// Whether all lanes have the same constants and followers.
+    has_like_lanes: bool,
+    /// Whether they move, and their part of the motion is the same too: at like times all lanes then
+    /// measure the same.
+    pub(super) is_alike: bool,
+    /// What was measured in this part for steps to come.
+    pub(super) ahead: MeasuredAhead,
 }
 
 impl Course {
-    fn new(motion: usize, followers: Vec<u8>, numbers: usize) -> Self {
+    /// With how many coordinates and strands there are in all lanes.
+    fn new(
+        motion: usize,
+        followers: Vec<u8>,
+        has_like_lanes: bool,
+        [numbers, strands]: [usize; 2],
+    ) -> Self {
         Course {
             motion,
             followers,
@@ -94,6 +115,9 @@ impl Course {
             valid: [f64::INFINITY, f64::NEG_INFINITY],
             moves: false,
             is_measured: false,
+            has_like_lanes,
+            is_alike: false,
+            ahead: MeasuredAhead::new(strands),
         }
     }
 
@@ -101,6 +125,13 @@ impl Course {
     #[inline(always)]
     pub(super) fn is_due(&self) -> bool {
         self.moves || !self.is_measured
+    }
+
+    /// In which lanes a motion stays at these times in the part it is in, as bits.
+    #[inline(always)]
+    pub(super) fn holds<L: Lane>(&self, t: L) -> u8 {
+        let [begin, end] = self.valid.map(L::splat);
+        begin.less_equal(t) & t.less(end)
     }
 
     /// Forgets where the motion was.
@@ -113,6 +144,8 @@ impl Course {
         let width = t.len();
         self.valid = [f64::NEG_INFINITY, f64::INFINITY];
         (self.moves, self.is_measured) = (false, false);
+        // Those lengths belong to the part that has been left.
+        self.ahead.clear();
         for lane in 0..width {
             let Courses { poses, motions } = courses[runs[lane]];
             let Some(part) = Part::at(&motions[self.motion], t[lane]) else { continue };
@@ -128,16 +161,28 @@ impl Course {
                 (self.from[k], self.change[k]) = (from[c], to[c] - from[c]);
             }
         }
+        let lists: [&[f64]; 4] =
+            [&self.from, &self.change, &self.begins[..width], &self.per_duration[..width]];
+        let is_alike = |list: &&[f64]| rows_are_alike(list, width);
+        self.is_alike = self.moves && self.has_like_lanes && lists.iter().all(is_alike);
     }
 }
 
 impl Vector {
+    /// Only steps of one stretch share what they measure ahead: what was handed over may differ in the
+    /// next.
+    #[inline(always)]
+    pub(super) fn begin_stretch(&mut self) {
+        for course in &mut self.courses {
+            course.ahead.clear();
+        }
+    }
+
     /// Takes the motions to the times of the lanes.
     #[inline(always)]
     pub(super) fn move_courses<L: Lane>(&mut self, t: L, courses: &[Courses]) {
         for course in &mut self.courses {
-            let [begin, end] = course.valid.map(L::splat);
-            if begin.less_equal(t) & t.less(end) != L::ALL {
+            if course.holds(t) != L::ALL {
                 course.turn(&self.t[..self.width], &self.runs, &self.coordinates, courses);
             }
         }

@@ -12,6 +12,7 @@ mod course;
 mod evaluate;
 mod exchange;
 mod foretell;
+mod measure;
 mod step;
 mod vector;
 

@@ -5,6 +5,7 @@
 use super::advance::advance_lanes;
 use super::course::Courses;
 use super::foretell::foretell;
+use super::measure::{measure, middle};
 use super::vector::Vector;
 use super::{LaneVisitor, RUNS};
 use crate::internal;
@@ -126,16 +127,17 @@ impl<
         let StepVector { vector, courses, known, stretch, .. } = self;
         let h = L::load(&vector.h);
         vector.iterations = 0;
-        for k in 0..stretch.unwrap_or(1) {
+        vector.begin_stretch();
+        let count = stretch.unwrap_or(1);
+        for k in 0..count {
             vector.listen(k);
             if k > 0 {
                 let (begin, end) = ((known + k) as f64, (known + k + 1) as f64);
-                let both = L::splat(begin) * h + L::splat(end) * h;
-                (L::splat(0.5) * both).store(&mut vector.t);
+                middle(L::splat(begin), L::splat(end), h).store(&mut vector.t);
             }
             let t = L::load(&vector.t);
             vector.move_courses(t, courses);
-            measure::<L, Sh, N, M, Q, S, U>(vector, t);
+            measure::<L, Sh, N, M, Q, S, U>(vector, [t, h], [known + k, count - k]);
             step::<L, Sh, N, M, Q, S, U>(vector, known + k, [t, h]);
             if vector.failed != 0 {
                 break;
@@ -237,42 +239,4 @@ fn step<
     store(&end.force, &mut vector.force);
     vector.failed = end.failed;
     vector.iterations += end.iterations;
-}
-
-/// Measures the natural lengths of strands that follow motions.
-#[inline(always)]
-fn measure<
-    L: Lane,
-    Sh: Shape<N, M, Q, S, U>,
-    const N: usize,
-    const M: usize,
-    const Q: usize,
-    const S: usize,
-    const U: usize,
->(
-    vector: &mut Vector,
-    t: L,
-) {
-    for course in &mut vector.courses {
-        if !course.is_due() {
-            continue;
-        }
-        let passed = (t - L::load(&course.begins)) * L::load(&course.per_duration);
-        let (_, cosine) = (L::splat(std::f64::consts::PI) * passed).sin_cos();
-        let weight = L::splat(0.5) * (L::splat(1.0) - cosine);
-        let (mut pose, change) = (load::<L, Q>(&course.from), load::<L, Q>(&course.change));
-        for i in 0..Q {
-            pose[i] = change[i].mul_add(weight, pose[i]);
-        }
-        // A strand that spans no block stays unmeasured, which no step survives.
-        let mut lengths = [L::splat(f64::NAN); S];
-        Sh::lengths(&pose, &vector.constants, &mut lengths);
-        let mut rest = load::<L, S>(&vector.rest);
-        let followers = &course.followers[..S];
-        for i in 0..S {
-            rest[i] = L::choose(followers[i], lengths[i], rest[i]);
-        }
-        store(&rest, &mut vector.rest);
-        course.is_measured = true;
-    }
 }
