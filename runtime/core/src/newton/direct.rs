@@ -20,7 +20,7 @@ const SMALL_PIVOT: f64 = 1e-6;
 /// Evaluations before the step is given back.
 const PASSES: usize = 20;
 /// Residuals up to this many units of tolerance may be rounding.
-const LOUD: f64 = 2.0;
+const LOUD: f64 = 4.0;
 /// After corrections longer than this the matrix is another.
 const FAR: f64 = 1e-4;
 /// Of so many steps one is looked at though its correction could be trusted.
