@@ -44,6 +44,7 @@ pub(super) fn advance_lanes<L: Lane>(
     [width, unknowns]: [usize; 2],
 ) {
     let count = unknowns * width;
+    let learns = vector.learns(known + 1);
     let h = L::load(&vector.h[lane..]);
     let per_h = L::load(&vector.per_h[lane..]);
     let (q, v, p) = (&mut vector.q[..count], &mut vector.v[..count], &mut vector.p[..count]);
@@ -64,15 +65,17 @@ pub(super) fn advance_lanes<L: Lane>(
         let next_p = h.mul_add(force, L::load(&p[k..]));
         (is_moving * next_p).store(&mut p[k..]);
         let next = shift(increment, &mut differences[k..], count);
-        let per_size = L::load(&per_size[k..]);
-        for degree in 0..DEGREES {
-            let size = next[degree] * per_size;
-            missed[degree] = size.mul_add(size, missed[degree]);
+        if learns {
+            let per_size = L::load(&per_size[k..]);
+            for degree in 0..DEGREES {
+                let size = next[degree] * per_size;
+                missed[degree] = size.mul_add(size, missed[degree]);
+            }
         }
     }
     let all_missed = &mut vector.missed[..DEGREES * width];
     for degree in 0..DEGREES {
-        if degree < known {
+        if degree < known && learns {
             let place = &mut all_missed[degree * width + lane..];
             let faded = L::splat(if degree + 1 < known { FADING } else { 0.0 }) * L::load(place);
             (missed[degree] + faded).store(place);

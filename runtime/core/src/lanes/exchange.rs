@@ -153,9 +153,9 @@ impl Vector {
     }
 
     fn tell(&mut self, told: &[Told]) {
-        self.told.extend(self.fed_rest.iter().map(|fed| told[fed.run].rest[fed.index]));
         self.told.extend(self.fed_inputs.iter().map(|fed| told[fed.run].inputs[fed.index]));
         self.told.extend(self.fed_ends.iter().map(|fed| told[fed.run].driven_q[fed.index]));
+        self.told.extend(self.fed_rest.iter().map(|fed| told[fed.run].rest[fed.index]));
     }
 
     /// Takes what it has been told for step `k` of a stretch.
@@ -164,18 +164,16 @@ impl Vector {
         if self.told.is_empty() {
             return;
         }
-        let count = self.fed_rest.len() + self.fed_inputs.len() + self.fed_ends.len();
-        let row = self.told.get(k * count..(k + 1) * count).unwrap_or_default();
-        let mut row = row.iter();
-        let lists = [
-            (&self.fed_rest, &mut self.rest),
-            (&self.fed_inputs, &mut self.inputs),
-            (&self.fed_ends, &mut self.ends),
-        ];
-        for (fed, list) in lists {
-            for (fed, &value) in fed.iter().zip(&mut row) {
-                list[fed.place] = value;
-            }
+        // All inputs and ends are fed, in the order of the lists.
+        let counts = [self.inputs.len(), self.ends.len(), self.fed_rest.len()];
+        let count = counts.iter().sum::<usize>();
+        let Some(row) = self.told.get(k * count..(k + 1) * count) else { return };
+        let (inputs, row) = row.split_at(counts[0]);
+        let (ends, rest) = row.split_at(counts[1]);
+        self.inputs.copy_from_slice(inputs);
+        self.ends.copy_from_slice(ends);
+        for (fed, &value) in self.fed_rest.iter().zip(rest) {
+            self.rest[fed.place] = value;
         }
     }
 

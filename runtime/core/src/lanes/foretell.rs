@@ -9,22 +9,35 @@
 //!
 //! the guess of highest degree and a term in B. B is not computed but learned from what the guess has
 //! missed, by the smallest change that would have foretold the last step (Kaczmarz' projection), so
-//! that it follows the motion through its configurations.
+//! that it follows the motion through its configurations. While guesses do, one step in some is
+//! enough to learn from.
 
 use super::vector::Vector;
 use crate::lane::{Lane, load, store};
-use crate::predict::{FADING, best_degrees, guess};
+use crate::predict::{DEGREES, FADING, best_degrees, guess};
 
 /// Third differences below this, relative to the coordinates, are rounding.
 const AUDIBLE: f64 = 1e-13;
+/// While guesses do, one step in so many is learned from.
+const SELDOM: usize = 4;
 /// Where the third difference of the increments stands among the differences.
 const THIRD: usize = 3;
+
+impl Vector {
+    /// Whether what guesses have missed is looked at once `known` increments are known.
+    #[inline(always)]
+    pub(super) fn learns(&self, known: usize) -> bool {
+        // The first guess of each degree is always looked at.
+        !self.is_calm || known.is_multiple_of(SELDOM) || known <= DEGREES + 1
+    }
+}
 
 /// The increments of the step at hand, with `known` increments (at least 2) behind it.
 #[inline(always)]
 pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usize) -> [L; N] {
-    if vector.is_foretold {
+    if vector.is_foretold && vector.learns(known) {
         learn::<L, N>(vector);
+        vector.has_learned = true;
     }
     let (best, least) = best_degrees::<L>(known, &vector.missed);
     if known <= THIRD + 1 {
@@ -45,13 +58,15 @@ pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usiz
             foretold[i] = entry.neg_mul_add(lead[j], foretold[i]);
         }
     }
-    store(&foretold, &mut vector.foretold);
-    store(&lead, &mut vector.lead);
-    let better = match vector.is_foretold {
+    vector.is_foretold = vector.learns(known + 1);
+    if vector.is_foretold {
+        store(&foretold, &mut vector.foretold);
+        store(&lead, &mut vector.lead);
+    }
+    let better = match vector.has_learned {
         true => L::load(&vector.missed_echo).less(least),
         false => 0,
     };
-    vector.is_foretold = true;
     if better == L::ALL {
         return foretold;
     }
@@ -96,7 +111,7 @@ fn learn<L: Lane, const N: usize>(vector: &mut Vector) {
 mod tests {
     use super::super::vector::Counts;
     use super::*;
-    use crate::predict::{DEGREES, shift};
+    use crate::predict::shift;
 
     /// Increments of two vibrations of 0.9 and 0.4 rad a step, along directions that are not
     /// orthogonal, and a slow motion.

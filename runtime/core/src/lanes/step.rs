@@ -204,7 +204,7 @@ fn step<
         .has_balances
         .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
     let mut looks = known.is_multiple_of(LOOK);
-    let end = match N <= FEW {
+    let end = match const { N <= FEW } {
         true => {
             if !std::mem::replace(&mut vector.is_tried, true) {
                 vector.trusted = [0.0; WIDEST];
@@ -237,6 +237,6 @@ fn step<
     delta.copy_from_slice(&end.delta[..N]);
     store(&delta, &mut vector.delta);
     store(&end.force, &mut vector.force);
-    vector.failed = end.failed;
+    (vector.failed, vector.is_calm) = (end.failed, end.is_calm);
     vector.iterations += end.iterations;
 }

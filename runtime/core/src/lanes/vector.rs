@@ -73,6 +73,9 @@ pub(crate) struct Vector {
     pub(super) echo: Vec<f64>,
     pub(super) missed_echo: [f64; WIDEST],
     pub(super) is_foretold: bool,
+    /// Whether anything has been learned, and whether the last step was as foretold.
+    pub(super) has_learned: bool,
+    pub(super) is_calm: bool,
 
     /// The inverse of the Newton matrix that is kept from step to step and the mass matrix, by rows;
     /// what rounding of the coordinates does to each equation; and when they are made anew.
@@ -163,6 +166,8 @@ impl Vector {
             echo: room(counts.unknowns * counts.unknowns),
             missed_echo: [0.0; WIDEST],
             is_foretold: false,
+            has_learned: false,
+            is_calm: false,
             inverse: room(counts.unknowns * counts.unknowns),
             mass: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
@@ -213,7 +218,7 @@ impl Vector {
 
     /// Forgets what speeds steps up, and where motions were.
     pub(super) fn forget(&mut self) {
-        self.is_foretold = false;
+        (self.is_foretold, self.has_learned, self.is_calm) = (false, false, false);
         self.echo.fill(0.0);
         self.missed_echo.fill(0.0);
         self.renewal.forget();

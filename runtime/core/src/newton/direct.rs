@@ -62,8 +62,14 @@ pub(crate) fn direct<
         rest: start.rest,
         inputs: start.inputs,
     };
-    let mut end =
-        End { delta: start.delta, force: [zero; N], iterations: 0, matrices: 0, failed: L::ALL };
+    let mut end = End {
+        delta: start.delta,
+        force: [zero; N],
+        iterations: 0,
+        matrices: 0,
+        failed: L::ALL,
+        is_calm: false,
+    };
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
     let mut per_scale = [zero; N];
     let (mut factors, mut momentum_matrix) = ([zero; M], [zero; M]);
@@ -100,7 +106,7 @@ pub(crate) fn direct<
                 end.iterations = 1;
                 correct(L::ALL, &mut end.delta, &next);
                 end.force = at.force_after(&next, &momentum_matrix, start);
-                end.failed = 0;
+                (end.failed, end.is_calm) = (0, true);
                 return end;
             }
         }

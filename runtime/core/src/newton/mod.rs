@@ -77,6 +77,8 @@ pub(crate) struct End<L, const N: usize, const Q: usize> {
     pub(crate) matrices: usize,
     /// Lanes that have not converged, as bits.
     pub(crate) failed: u8,
+    /// Whether the guess was so good that one correction was trusted in all lanes.
+    pub(crate) is_calm: bool,
 }
 
 /// What an evaluation gives.
@@ -173,8 +175,14 @@ pub(crate) fn newton<
         rest: start.rest,
         inputs: start.inputs,
     };
-    let mut end =
-        End { delta: start.delta, force: [zero; N], iterations: 0, matrices: 0, failed: L::ALL };
+    let mut end = End {
+        delta: start.delta,
+        force: [zero; N],
+        iterations: 0,
+        matrices: 0,
+        failed: L::ALL,
+        is_calm: false,
+    };
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
     let mut per_scale = [zero; N];
     // Half the step's impulse as the last correction foretold it.
