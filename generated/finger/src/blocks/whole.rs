@@ -624,6 +624,85 @@ pub fn mass_matrix<L: Lane>(q: &[L; 3], matrix: &mut [L; 9]) {
     matrix[0] = mcp_7 + mcp_11;
 }
 
+/// By how much the momentum changes with the increment of a step: M/h + ½∂p/∂q.
+///
+/// Coordinates: `mcp` (finger.hdl:31), `pip` (finger.hdl:35), `dip` (finger.hdl:39).
+///
+/// Bodies: `proximal` (finger.hdl:32), `middle` (finger.hdl:36), `distal` (finger.hdl:40).
+///
+/// Strands: `fdp` (finger.hdl:44), `fds` (finger.hdl:53), `edc` (finger.hdl:61), `lumbrical` (finger.hdl:69).
+///
+/// 84 operations: 21 sums, 28 products, 16 products with sum, 1 division, 2 sines and cosines.
+#[inline(always)]
+pub fn momentum_matrix<L: Lane>(q: &[L; 3], v: &[L; 3], h: L, matrix: &mut [L; 9]) {
+    let q_pip = q[1];
+    let q_dip = q[2];
+    let v_mcp = v[0];
+    let v_pip = v[1];
+    let v_dip = v[2];
+    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let (sin_pip, cos_pip) = sin_cos(q_pip);
+    let mcp_1 = mul_add(sin_pip, cos_dip, cos_pip * sin_dip);
+    let mcp_2 = L::splat(2.113600077163611e-5) * mcp_1;
+    let mcp_3 = v_mcp + v_pip;
+    let mcp_4 = v_dip + mcp_3;
+    let mcp_5 = mcp_4 * mcp_2;
+    let mcp_6 = L::splat(0.0001154165848898187) * sin_pip;
+    let mcp_7 = L::splat(1.0) / h;
+    let mcp_8 = mul_add(
+        L::splat(1.8193617546820962e-5),
+        mcp_7,
+        L::splat(0.019899999999999998) * mul_add(mcp_3, mcp_6, mcp_5),
+    );
+    let mcp_9 = L::splat(1.148395019653696e-6) * sin_pip;
+    let mcp_10 = mul_sub(mcp_7, L::splat(4.593580078614784e-6) * cos_pip, v_pip * mcp_9);
+    let mcp_11 = L::splat(0.0224) * cos_pip;
+    let mcp_12 = mul_sub(cos_pip, cos_dip, sin_pip * sin_dip);
+    let mcp_13 = L::splat(2.113600077163611e-5) * mcp_12;
+    let mcp_14 = L::splat(0.0224) * sin_pip;
+    let mcp_15 = L::splat(0.039799999999999995) * v_mcp;
+    let mcp_16 = mul_add(
+        mcp_15,
+        mcp_6,
+        neg_mul_add(mcp_11, mcp_5, mcp_14 * (mcp_4 * mcp_13)),
+    );
+    let mcp_17 = mul_sub(L::splat(2.2502977721519766e-6), mcp_7, L::splat(0.5) * mcp_16);
+    let mcp_18 = L::splat(2.1030320767777928e-7) * mcp_1;
+    let mcp_19 = mul_add(
+        mcp_7,
+        L::splat(8.412128307111171e-7) * mcp_12,
+        mcp_18 * (v_mcp - mcp_4),
+    );
+    let mcp_20 = L::splat(0.25) * mul_sub(mcp_11, mcp_2, mcp_14 * mcp_13);
+    let mcp_21 = mul_sub(mcp_7, mul_add(mcp_11, mcp_13, mcp_14 * mcp_2), v_dip * mcp_20);
+    let mcp_22 = neg_mul_add(
+        mcp_3 * mcp_14,
+        mcp_13,
+        mul_add(mcp_3, mcp_11, mcp_15) * mcp_2,
+    );
+    let mcp_23 = mul_sub(L::splat(2.5540671987294797e-7), mcp_7, L::splat(0.5) * mcp_22);
+    matrix[8] = mcp_23;
+    let mcp_24 = mcp_10 + mcp_19;
+    let mcp_25 = mcp_17 + mcp_21;
+    let mcp_26 = mcp_8 + mcp_24;
+    let mcp_27 = mcp_21 + mcp_23;
+    let mcp_28 = mcp_19 + mcp_27;
+    let mcp_29 = mcp_25 + mcp_27;
+    matrix[4] = mcp_29;
+    let mcp_30 = mcp_24 + mcp_29;
+    matrix[0] = mcp_26 + mcp_30;
+    let mcp_31 = (v_mcp + mcp_4) * mcp_18;
+    let mcp_32 = mul_add(v_mcp + mcp_3, mcp_9, mcp_31);
+    let mcp_33 = (mcp_3 + mcp_4) * mcp_20;
+    let mcp_34 = mcp_31 + mcp_33;
+    matrix[3] = mcp_30 + mcp_32;
+    matrix[1] = mcp_30 - mcp_32;
+    matrix[6] = mcp_28 + mcp_34;
+    matrix[2] = mcp_28 - mcp_34;
+    matrix[7] = mcp_33 + mcp_27;
+    matrix[5] = mcp_27 - mcp_33;
+}
+
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
 ///
 /// Coordinates: `mcp` (finger.hdl:31), `pip` (finger.hdl:35), `dip` (finger.hdl:39).
@@ -783,6 +862,16 @@ impl Shape<3, 9, 3, 4, 0> for Equations {
     #[inline(always)]
     fn mass_matrix<L: Lane>(q: &[L; 3], constants: &[f64], matrix: &mut [L; 9]) {
         self::mass_matrix(q, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 3, 4, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 9],
+    ) {
+        self::momentum_matrix(&at.q, &at.v, at.h, matrix);
     }
 
     #[allow(unused_variables)]

@@ -224,5 +224,12 @@ impl Shape<2, 4, 2, 0, 0> for Equations {
 
     #[allow(unused_variables)]
     #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 2, 0, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 4],
+    ) {}
+    #[allow(unused_variables)]
+    #[inline(always)]
     fn lengths<L: Lane>(q: &[L; 2], constants: &[f64], lengths: &mut [L; 0]) {}
 }

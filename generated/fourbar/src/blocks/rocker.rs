@@ -121,5 +121,12 @@ impl Shape<1, 1, 1, 0, 0> for Equations {
 
     #[allow(unused_variables)]
     #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 1, 0, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 1],
+    ) {}
+    #[allow(unused_variables)]
+    #[inline(always)]
     fn lengths<L: Lane>(q: &[L; 1], constants: &[f64], lengths: &mut [L; 0]) {}
 }

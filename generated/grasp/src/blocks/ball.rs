@@ -405,5 +405,12 @@ impl Shape<6, 36, 6, 0, 0> for Equations {
 
     #[allow(unused_variables)]
     #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 6, 0, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 36],
+    ) {}
+    #[allow(unused_variables)]
+    #[inline(always)]
     fn lengths<L: Lane>(q: &[L; 6], constants: &[f64], lengths: &mut [L; 0]) {}
 }

@@ -1295,6 +1295,13 @@ impl Shape<4, 16, 4, 4, 0> for Equations {
 
     #[allow(unused_variables)]
     #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 4, 4, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 16],
+    ) {}
+    #[allow(unused_variables)]
+    #[inline(always)]
     fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 4]) {
         self::lengths(q, constants, lengths);
     }

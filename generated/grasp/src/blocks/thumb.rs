@@ -1816,6 +1816,13 @@ impl Shape<4, 16, 4, 7, 0> for Equations {
 
     #[allow(unused_variables)]
     #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 4, 7, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 16],
+    ) {}
+    #[allow(unused_variables)]
+    #[inline(always)]
     fn lengths<L: Lane>(q: &[L; 4], constants: &[f64], lengths: &mut [L; 7]) {
         self::lengths(q, lengths);
     }

@@ -826,6 +826,140 @@ pub fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16])
     matrix[5] = mcp_12 + mcp_16;
 }
 
+/// By how much the momentum changes with the increment of a step: M/h + ½∂p/∂q.
+///
+/// Coordinates: `index.ab` (digit.hdl:36), `index.mcp` (digit.hdl:38), `index.pip` (digit.hdl:43), `index.dip` (digit.hdl:48).
+///
+/// Bodies: `index.proximal` (digit.hdl:39), `index.middle` (digit.hdl:44), `index.distal` (digit.hdl:49).
+///
+/// Strands: `index.fdp` (digit.hdl:55), `index.edc` (digit.hdl:64), `index.interosseous` (digit.hdl:72), `index.band` (digit.hdl:79).
+///
+/// 171 operations: 27 sums, 56 products, 42 products with sum, 1 division, 3 sines and cosines.
+#[inline(always)]
+pub fn momentum_matrix<L: Lane>(
+    q: &[L; 4],
+    v: &[L; 4],
+    h: L,
+    constants: &[f64],
+    matrix: &mut [L; 16],
+) {
+    let constants = &constants[..56 * L::WIDTH];
+    let q_mcp = q[1];
+    let q_pip = q[2];
+    let q_dip = q[3];
+    let v_ab = v[0];
+    let v_mcp = v[1];
+    let v_pip = v[2];
+    let v_dip = v[3];
+    let c_5 = L::load(&constants[5 * L::WIDTH..]);
+    let c_6 = L::load(&constants[6 * L::WIDTH..]);
+    let c_7 = L::load(&constants[7 * L::WIDTH..]);
+    let c_8 = L::load(&constants[8 * L::WIDTH..]);
+    let c_9 = L::load(&constants[9 * L::WIDTH..]);
+    let c_10 = L::load(&constants[10 * L::WIDTH..]);
+    let c_48 = L::load(&constants[48 * L::WIDTH..]);
+    let c_49 = L::load(&constants[49 * L::WIDTH..]);
+    let c_50 = L::load(&constants[50 * L::WIDTH..]);
+    let c_51 = L::load(&constants[51 * L::WIDTH..]);
+    let c_52 = L::load(&constants[52 * L::WIDTH..]);
+    let c_53 = L::load(&constants[53 * L::WIDTH..]);
+    let c_54 = L::load(&constants[54 * L::WIDTH..]);
+    let c_55 = L::load(&constants[55 * L::WIDTH..]);
+    let (sin_pip, cos_pip) = sin_cos(q_pip);
+    let (sin_mcp, cos_mcp) = sin_cos(q_mcp);
+    let ab_1 = mul_sub(cos_mcp, cos_pip, sin_mcp * sin_pip);
+    let (sin_dip, cos_dip) = sin_cos(q_dip);
+    let ab_2 = mul_add(sin_mcp, cos_pip, cos_mcp * sin_pip);
+    let ab_3 = mul_add(cos_dip, ab_2, sin_dip * ab_1);
+    let ab_4 = ab_3 * c_54;
+    let ab_5 = ab_1 * c_51;
+    let ab_6 = cos_mcp * c_49;
+    let ab_7 = v_ab * ab_6;
+    let ab_8 = mul_add(ab_6 + ab_5, v_ab * ab_4, mul_add(v_ab, ab_5, ab_7) * ab_4);
+    let ab_9 = ab_3 * c_53;
+    let ab_10 = mul_sub(cos_dip, ab_1, sin_dip * ab_2);
+    let ab_11 = L::splat(2.0) * v_ab;
+    let ab_12 = L::splat(0.5) * mul_add(ab_11, ab_10 * ab_9, ab_8);
+    matrix[3] = -ab_12;
+    let ab_13 = ab_10 * c_54;
+    let ab_14 = ab_2 * c_51;
+    let ab_15 = ab_2 * c_52;
+    let ab_16 = mul_add(v_ab * ab_14, ab_13, ab_6 * (v_ab * ab_15));
+    let ab_17 = v_ab * ab_13;
+    let ab_18 = ab_2 * c_50;
+    let ab_19 = mul_add(
+        ab_11,
+        ab_1 * ab_18,
+        mul_add(ab_7, ab_15, mul_add(ab_14, ab_17, ab_16)),
+    );
+    let ab_20 = mul_add(L::splat(0.5), ab_19, ab_12);
+    matrix[2] = -ab_20;
+    let ab_21 = ab_1 * c_52;
+    let ab_22 = sin_mcp * c_49;
+    let ab_23 = ab_21 + ab_13;
+    let ab_24 = mul_add(v_ab * ab_22, ab_23, ab_22 * mul_add(v_ab, ab_21, ab_17));
+    let ab_25 = sin_mcp * c_48;
+    let ab_26 = mul_add(L::splat(0.5), mul_add(ab_11, cos_mcp * ab_25, ab_24), ab_20);
+    matrix[1] = -ab_26;
+    let ab_27 = ab_5 * ab_13;
+    let ab_28 = mul_add(L::splat(2.0), ab_6 * ab_23, neg_mul_add(sin_mcp, ab_25, c_10));
+    let ab_29 = c_55 + ab_28
+        + mul_add(L::splat(2.0), ab_27, neg_mul_add(ab_2, ab_18, c_8));
+    let ab_30 = L::splat(1.0) / h;
+    matrix[0] = ab_30 * (neg_mul_add(ab_3, ab_9, c_6) + ab_29);
+    let mcp_1 = v_mcp + v_pip;
+    let mcp_2 = v_dip + mcp_1;
+    let mcp_3 = mcp_2 * ab_4;
+    let mcp_4 = mcp_2 * ab_13;
+    let mcp_5 = mul_sub(
+        ab_22,
+        mul_add(mcp_1, ab_21, mcp_4),
+        ab_6 * mul_add(mcp_1, ab_15, mcp_3),
+    );
+    let mcp_6 = mul_sub(ab_30, c_9, L::splat(0.5) * mcp_5);
+    let mcp_7 = L::splat(0.25) * neg_mul_add(ab_22, ab_21, ab_6 * ab_15);
+    let mcp_8 = mul_sub(ab_30, mul_add(ab_22, ab_15, ab_6 * ab_21), v_pip * mcp_7);
+    let mcp_9 = v_mcp * ab_22;
+    let mcp_10 = v_mcp * ab_6;
+    let mcp_11 = mul_sub(ab_14, mcp_4, ab_5 * mcp_3)
+        + mul_sub(mcp_10, ab_15, mcp_9 * ab_21);
+    let mcp_12 = mul_sub(ab_30, c_7, L::splat(0.5) * mcp_11);
+    let mcp_13 = L::splat(0.25) * neg_mul_add(ab_22, ab_13, ab_6 * ab_4);
+    let mcp_14 = mul_add(
+        ab_30,
+        mul_add(ab_22, ab_4, ab_6 * ab_13),
+        (v_mcp - mcp_2) * mcp_13,
+    );
+    let mcp_15 = L::splat(0.25) * neg_mul_add(ab_14, ab_13, ab_5 * ab_4);
+    let mcp_16 = mul_sub(ab_30, mul_add(ab_14, ab_4, ab_27), v_dip * mcp_15);
+    let mcp_17 = mul_sub(
+        mul_add(mcp_1, ab_5, mcp_10),
+        ab_4,
+        mul_add(mcp_1, ab_14, mcp_9) * ab_13,
+    );
+    let mcp_18 = mul_sub(ab_30, c_5, L::splat(0.5) * mcp_17);
+    matrix[15] = mcp_18;
+    let mcp_19 = mcp_8 + mcp_14;
+    let mcp_20 = mcp_12 + mcp_16;
+    let mcp_21 = mcp_6 + mcp_19;
+    let mcp_22 = mcp_16 + mcp_18;
+    let mcp_23 = mcp_14 + mcp_22;
+    let mcp_24 = mcp_20 + mcp_22;
+    matrix[10] = mcp_24;
+    let mcp_25 = mcp_19 + mcp_24;
+    matrix[5] = mcp_21 + mcp_25;
+    let mcp_26 = (v_mcp + mcp_2) * mcp_13;
+    let mcp_27 = mul_add(v_mcp + mcp_1, mcp_7, mcp_26);
+    let mcp_28 = (mcp_1 + mcp_2) * mcp_15;
+    let mcp_29 = mcp_26 + mcp_28;
+    matrix[9] = mcp_25 + mcp_27;
+    matrix[6] = mcp_25 - mcp_27;
+    matrix[13] = mcp_23 + mcp_29;
+    matrix[7] = mcp_23 - mcp_29;
+    matrix[14] = mcp_28 + mcp_22;
+    matrix[11] = mcp_22 - mcp_28;
+}
+
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
 ///
 /// Coordinates: `index.ab` (digit.hdl:36), `index.mcp` (digit.hdl:38), `index.pip` (digit.hdl:43), `index.dip` (digit.hdl:48).
@@ -1232,6 +1366,16 @@ impl Shape<4, 16, 4, 4, 0> for Equations {
     #[inline(always)]
     fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16]) {
         self::mass_matrix(q, constants, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 4, 4, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 16],
+    ) {
+        self::momentum_matrix(&at.q, &at.v, at.h, constants, matrix);
     }
 
     #[allow(unused_variables)]

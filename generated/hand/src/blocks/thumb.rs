@@ -1426,6 +1426,177 @@ pub fn mass_matrix<L: Lane>(q: &[L; 4], matrix: &mut [L; 16]) {
     matrix[5] = thumb_cmc_12 + thumb_cmc_16;
 }
 
+/// By how much the momentum changes with the increment of a step: M/h + ½∂p/∂q.
+///
+/// Coordinates: `thumb.ab` (digit.hdl:109), `thumb.cmc` (digit.hdl:111), `thumb.mcp` (digit.hdl:116), `thumb.ip` (digit.hdl:121).
+///
+/// Bodies: `thumb.metacarpal` (digit.hdl:112), `thumb.proximal` (digit.hdl:117), `thumb.distal` (digit.hdl:122).
+///
+/// Strands: `thumb.fpl` (digit.hdl:128), `thumb.epl` (digit.hdl:137), `thumb.epb` (digit.hdl:146), `thumb.apl` (digit.hdl:154), `thumb.apb` (digit.hdl:160), `thumb.opp` (digit.hdl:167), `thumb.adp` (digit.hdl:173).
+///
+/// 171 operations: 27 sums, 56 products, 42 products with sum, 1 division, 3 sines and cosines.
+#[inline(always)]
+pub fn momentum_matrix<L: Lane>(q: &[L; 4], v: &[L; 4], h: L, matrix: &mut [L; 16]) {
+    let q_thumb_cmc = q[1];
+    let q_thumb_mcp = q[2];
+    let q_thumb_ip = q[3];
+    let v_thumb_ab = v[0];
+    let v_thumb_cmc = v[1];
+    let v_thumb_mcp = v[2];
+    let v_thumb_ip = v[3];
+    let (sin_thumb_mcp, cos_thumb_mcp) = sin_cos(q_thumb_mcp);
+    let (sin_thumb_cmc, cos_thumb_cmc) = sin_cos(q_thumb_cmc);
+    let thumb_ab_1 = mul_sub(
+        cos_thumb_cmc,
+        cos_thumb_mcp,
+        sin_thumb_cmc * sin_thumb_mcp,
+    );
+    let (sin_thumb_ip, cos_thumb_ip) = sin_cos(q_thumb_ip);
+    let thumb_ab_2 = mul_add(
+        sin_thumb_cmc,
+        cos_thumb_mcp,
+        cos_thumb_cmc * sin_thumb_mcp,
+    );
+    let thumb_ab_3 = mul_add(cos_thumb_ip, thumb_ab_2, sin_thumb_ip * thumb_ab_1);
+    let thumb_ab_4 = L::splat(6.59048003551084e-5) * thumb_ab_3;
+    let thumb_ab_5 = L::splat(0.0316) * thumb_ab_1;
+    let thumb_ab_6 = L::splat(0.046200000000000005) * cos_thumb_cmc;
+    let thumb_ab_7 = v_thumb_ab * thumb_ab_6;
+    let thumb_ab_8 = mul_add(
+        thumb_ab_6 + thumb_ab_5,
+        v_thumb_ab * thumb_ab_4,
+        mul_add(v_thumb_ab, thumb_ab_5, thumb_ab_7) * thumb_ab_4,
+    );
+    let thumb_ab_9 = L::splat(8.304207317248589e-7) * thumb_ab_3;
+    let thumb_ab_10 = mul_sub(cos_thumb_ip, thumb_ab_1, sin_thumb_ip * thumb_ab_2);
+    let thumb_ab_11 = L::splat(2.0) * v_thumb_ab;
+    let thumb_ab_12 = L::splat(0.5)
+        * mul_add(thumb_ab_11, thumb_ab_10 * thumb_ab_9, thumb_ab_8);
+    matrix[3] = -thumb_ab_12;
+    let thumb_ab_13 = L::splat(6.59048003551084e-5) * thumb_ab_10;
+    let thumb_ab_14 = L::splat(0.0316) * thumb_ab_2;
+    let thumb_ab_15 = L::splat(0.00036448271648406014) * thumb_ab_2;
+    let thumb_ab_16 = mul_add(
+        v_thumb_ab * thumb_ab_14,
+        thumb_ab_13,
+        thumb_ab_6 * (v_thumb_ab * thumb_ab_15),
+    );
+    let thumb_ab_17 = v_thumb_ab * thumb_ab_13;
+    let thumb_ab_18 = L::splat(9.42724093757499e-6) * thumb_ab_2;
+    let thumb_ab_19 = mul_add(
+        thumb_ab_11,
+        thumb_ab_1 * thumb_ab_18,
+        mul_add(thumb_ab_7, thumb_ab_15, mul_add(thumb_ab_14, thumb_ab_17, thumb_ab_16)),
+    );
+    let thumb_ab_20 = mul_add(L::splat(0.5), thumb_ab_19, thumb_ab_12);
+    matrix[2] = -thumb_ab_20;
+    let thumb_ab_21 = L::splat(0.00036448271648406014) * thumb_ab_1;
+    let thumb_ab_22 = L::splat(0.046200000000000005) * sin_thumb_cmc;
+    let thumb_ab_23 = thumb_ab_21 + thumb_ab_13;
+    let thumb_ab_24 = mul_add(
+        v_thumb_ab * thumb_ab_22,
+        thumb_ab_23,
+        thumb_ab_22 * mul_add(v_thumb_ab, thumb_ab_21, thumb_ab_17),
+    );
+    let thumb_ab_25 = L::splat(4.943365874069823e-5) * sin_thumb_cmc;
+    let thumb_ab_26 = mul_add(
+        L::splat(0.5),
+        mul_add(thumb_ab_11, cos_thumb_cmc * thumb_ab_25, thumb_ab_24),
+        thumb_ab_20,
+    );
+    matrix[1] = -thumb_ab_26;
+    let thumb_ab_27 = thumb_ab_5 * thumb_ab_13;
+    let thumb_ab_28 = mul_add(
+        L::splat(2.0),
+        thumb_ab_6 * thumb_ab_23,
+        neg_mul_add(sin_thumb_cmc, thumb_ab_25, L::splat(2.4716829370349116e-5)),
+    );
+    let thumb_ab_29 = L::splat(3.180643293651146e-5) + thumb_ab_28
+        + mul_add(
+            L::splat(2.0),
+            thumb_ab_27,
+            neg_mul_add(thumb_ab_2, thumb_ab_18, L::splat(4.713620468787495e-6)),
+        );
+    let thumb_ab_30 = L::splat(1.0) / h;
+    matrix[0] = thumb_ab_30
+        * (neg_mul_add(thumb_ab_3, thumb_ab_9, L::splat(4.1521036586242944e-7))
+            + thumb_ab_29);
+    let thumb_cmc_1 = v_thumb_cmc + v_thumb_mcp;
+    let thumb_cmc_2 = v_thumb_ip + thumb_cmc_1;
+    let thumb_cmc_3 = thumb_cmc_2 * thumb_ab_4;
+    let thumb_cmc_4 = thumb_cmc_2 * thumb_ab_13;
+    let thumb_cmc_5 = mul_sub(
+        thumb_ab_22,
+        mul_add(thumb_cmc_1, thumb_ab_21, thumb_cmc_4),
+        thumb_ab_6 * mul_add(thumb_cmc_1, thumb_ab_15, thumb_cmc_3),
+    );
+    let thumb_cmc_6 = mul_sub(
+        L::splat(5.060241857552533e-5),
+        thumb_ab_30,
+        L::splat(0.5) * thumb_cmc_5,
+    );
+    let thumb_cmc_7 = L::splat(0.25)
+        * neg_mul_add(thumb_ab_22, thumb_ab_21, thumb_ab_6 * thumb_ab_15);
+    let thumb_cmc_8 = mul_sub(
+        thumb_ab_30,
+        mul_add(thumb_ab_22, thumb_ab_15, thumb_ab_6 * thumb_ab_21),
+        v_thumb_mcp * thumb_cmc_7,
+    );
+    let thumb_cmc_9 = v_thumb_cmc * thumb_ab_22;
+    let thumb_cmc_10 = v_thumb_cmc * thumb_ab_6;
+    let thumb_cmc_11 = mul_sub(thumb_ab_14, thumb_cmc_4, thumb_ab_5 * thumb_cmc_3)
+        + mul_sub(thumb_cmc_10, thumb_ab_15, thumb_cmc_9 * thumb_ab_21);
+    let thumb_cmc_12 = mul_sub(
+        L::splat(9.973249740768897e-6),
+        thumb_ab_30,
+        L::splat(0.5) * thumb_cmc_11,
+    );
+    let thumb_cmc_13 = L::splat(0.25)
+        * neg_mul_add(thumb_ab_22, thumb_ab_13, thumb_ab_6 * thumb_ab_4);
+    let thumb_cmc_14 = mul_add(
+        thumb_ab_30,
+        mul_add(thumb_ab_22, thumb_ab_4, thumb_ab_6 * thumb_ab_13),
+        (v_thumb_cmc - thumb_cmc_2) * thumb_cmc_13,
+    );
+    let thumb_cmc_15 = L::splat(0.25)
+        * neg_mul_add(thumb_ab_14, thumb_ab_13, thumb_ab_5 * thumb_ab_4);
+    let thumb_cmc_16 = mul_sub(
+        thumb_ab_30,
+        mul_add(thumb_ab_14, thumb_ab_4, thumb_ab_27),
+        v_thumb_ip * thumb_cmc_15,
+    );
+    let thumb_cmc_17 = mul_sub(
+        mul_add(thumb_cmc_1, thumb_ab_5, thumb_cmc_10),
+        thumb_ab_4,
+        mul_add(thumb_cmc_1, thumb_ab_14, thumb_cmc_9) * thumb_ab_13,
+    );
+    let thumb_cmc_18 = mul_sub(
+        L::splat(1.0764248252162773e-6),
+        thumb_ab_30,
+        L::splat(0.5) * thumb_cmc_17,
+    );
+    matrix[15] = thumb_cmc_18;
+    let thumb_cmc_19 = thumb_cmc_8 + thumb_cmc_14;
+    let thumb_cmc_20 = thumb_cmc_12 + thumb_cmc_16;
+    let thumb_cmc_21 = thumb_cmc_6 + thumb_cmc_19;
+    let thumb_cmc_22 = thumb_cmc_16 + thumb_cmc_18;
+    let thumb_cmc_23 = thumb_cmc_14 + thumb_cmc_22;
+    let thumb_cmc_24 = thumb_cmc_20 + thumb_cmc_22;
+    matrix[10] = thumb_cmc_24;
+    let thumb_cmc_25 = thumb_cmc_19 + thumb_cmc_24;
+    matrix[5] = thumb_cmc_21 + thumb_cmc_25;
+    let thumb_cmc_26 = (v_thumb_cmc + thumb_cmc_2) * thumb_cmc_13;
+    let thumb_cmc_27 = mul_add(v_thumb_cmc + thumb_cmc_1, thumb_cmc_7, thumb_cmc_26);
+    let thumb_cmc_28 = (thumb_cmc_1 + thumb_cmc_2) * thumb_cmc_15;
+    let thumb_cmc_29 = thumb_cmc_26 + thumb_cmc_28;
+    matrix[9] = thumb_cmc_25 + thumb_cmc_27;
+    matrix[6] = thumb_cmc_25 - thumb_cmc_27;
+    matrix[13] = thumb_cmc_23 + thumb_cmc_29;
+    matrix[7] = thumb_cmc_23 - thumb_cmc_29;
+    matrix[14] = thumb_cmc_28 + thumb_cmc_22;
+    matrix[11] = thumb_cmc_22 - thumb_cmc_28;
+}
+
 /// Lengths x = Σ‖pᵢ − pᵢ₊₁‖ of the strands (m).
 ///
 /// Coordinates: `thumb.ab` (digit.hdl:109), `thumb.cmc` (digit.hdl:111), `thumb.mcp` (digit.hdl:116), `thumb.ip` (digit.hdl:121).
@@ -1700,6 +1871,16 @@ impl Shape<4, 16, 4, 7, 0> for Equations {
     #[inline(always)]
     fn mass_matrix<L: Lane>(q: &[L; 4], constants: &[f64], matrix: &mut [L; 16]) {
         self::mass_matrix(q, matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 4, 7, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 16],
+    ) {
+        self::momentum_matrix(&at.q, &at.v, at.h, matrix);
     }
 
     #[allow(unused_variables)]

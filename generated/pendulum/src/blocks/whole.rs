@@ -69,6 +69,18 @@ pub fn mass_matrix<L: Lane>(matrix: &mut [L; 1]) {
     matrix[0] = L::splat(1.0);
 }
 
+/// By how much the momentum changes with the increment of a step: M/h + ½∂p/∂q.
+///
+/// Coordinates: `theta` (pendulum.hdl:11).
+///
+/// Bodies: `bob` (pendulum.hdl:12).
+///
+/// 1 operation: 1 division.
+#[inline(always)]
+pub fn momentum_matrix<L: Lane>(h: L, matrix: &mut [L; 1]) {
+    matrix[0] = L::splat(1.0) / h;
+}
+
 /// Where the numbers of each block stand.
 pub static PLACES: [Place<1, 0, 0>; 1] = [
     Place {
@@ -118,6 +130,16 @@ impl Shape<1, 1, 1, 0, 0> for Equations {
     #[inline(always)]
     fn mass_matrix<L: Lane>(q: &[L; 1], constants: &[f64], matrix: &mut [L; 1]) {
         self::mass_matrix(matrix);
+    }
+
+    #[allow(unused_variables)]
+    #[inline(always)]
+    fn momentum_matrix<L: Lane>(
+        at: &Local<L, 1, 0, 0>,
+        constants: &[f64],
+        matrix: &mut [L; 1],
+    ) {
+        self::momentum_matrix(at.h, matrix);
     }
 
     #[allow(unused_variables)]

@@ -23,6 +23,8 @@ const PASSES: usize = 20;
 const LOUD: f64 = 4.0;
 /// After corrections longer than this the matrix is another.
 const FAR: f64 = 1e-4;
+/// A step that asks for a longer correction is given back.
+const FARTHEST: f64 = 0.1;
 /// Of so many steps one is looked at though its correction could be trusted.
 pub(crate) const LOOK: usize = 32;
 
@@ -155,6 +157,10 @@ pub(crate) fn direct<
         }
         let next = solve::<L, N, M>(&factors, &at.r);
         length = span(&next, start);
+        if length.less_equal(L::splat(FARTHEST)) | done != L::ALL {
+            // That way may lead to another solution.
+            break;
+        }
         foretold = at.force_after(&next, &momentum_matrix, start);
         end.iterations += 1;
         correct(!done & L::ALL, &mut end.delta, &next);
