@@ -1,9 +1,7 @@
 //! Inverses of small matrices on lanes.
 
+use super::factors::SMALL_PIVOT;
 use crate::lane::Lane;
-
-/// A pivot below this part of its row's largest entry wants pivoting.
-const SMALL_PIVOT: f64 = 1e-6;
 
 /// Inverts the matrix in place by Gauss and Jordan's method without pivoting; returns the lanes where
 /// no pivot was small. The Newton matrix is a mass matrix but for terms in h.
