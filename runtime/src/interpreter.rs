@@ -54,6 +54,13 @@ impl Interpreter {
     pub fn structure(&self) -> &Arc<Structure> {
         &self.structure
     }
+    /// By how much momenta change with the increment of a step `h` at a midpoint, M/h + ½∂p/∂q, packed as
+    /// the mass matrix (kg·m²/s, kg·m/s or kg/s).
+    pub fn momentum_matrix(&mut self, at: &Midpoint, h: f64, matrix: &mut [f64]) {
+        let (mechanics, workspace) = self.mechanics();
+        mechanics.momentum_matrix(workspace, at.q, at.v, 1.0 / h, matrix);
+    }
+
     /// Moment arms ∂length/∂q at q (m/rad or 1), s × n by rows.
     pub fn moment_arms(&mut self, q: &[f64], length_dq: &mut [f64]) {
         let (mechanics, workspace) = self.mechanics();

@@ -5,6 +5,7 @@ use crate::emit::Place;
 use crate::graph::{Leaf, Sym, differentiate, evaluate, to_program, with_new};
 use handc_core::model::{Instant, Midpoint, Model};
 use handc_core::scalar::Scalar;
+use handc_core::shape::FEW;
 use handc_runtime::expression::{Function, Program, Variable};
 use handc_runtime::interpreter::Interpreter;
 use handc_runtime::mechanism::*;
@@ -438,6 +439,15 @@ fn check(mechanism: Mechanism) {
         same("matrix", &in_blocks("evaluate_with_matrix", "matrix", matrix.len()), &matrix);
         model.mass_matrix(&point.q, &mut matrix);
         same("mass", &in_blocks("mass_matrix", "matrix", matrix.len()), &matrix);
+        model.momentum_matrix(&point.midpoint(), H, &mut matrix);
+        for block in &layout.blocks {
+            let count = block.coordinates.len();
+            if !block.rows.is_empty() || count > FEW {
+                // Nobody asks there.
+                matrix[block.matrix_offset..][..count * count].fill(0.0);
+            }
+        }
+        same("momentum", &in_blocks("momentum_matrix", "matrix", matrix.len()), &matrix);
         let (mut rows, mut jacobian) = (zeros(m), zeros(layout.constraint_size()));
         model.constraints(&point.q, T, &point.rest, &mut rows);
         model.constraint_jacobian(&point.q, T, &mut jacobian);
