@@ -13,7 +13,7 @@ use super::masked::{correct, hold};
 use super::scale::{Balances, merit, per_scales, sensitivities};
 use super::{End, Residual, Start, put_at};
 use crate::lane::{Lane, load, store};
-use crate::shape::{Local, Shape};
+use crate::shape::Shape;
 use crate::step::{KEEP_FACTORS, STAGNATION};
 
 /// Evaluations before the step is given back.
@@ -55,22 +55,8 @@ pub(crate) fn direct<
 ) -> End<L, N, Q> {
     let zero = L::splat(0.0);
     let half_h = L::splat(0.5) * start.h;
-    let mut local = Local {
-        q: start.q,
-        v: start.q,
-        t: start.t,
-        h: start.h,
-        rest: start.rest,
-        inputs: start.inputs,
-    };
-    let mut end = End {
-        delta: start.delta,
-        force: [zero; N],
-        iterations: 0,
-        matrices: 0,
-        failed: L::ALL,
-        is_calm: false,
-    };
+    let mut local = start.local();
+    let mut end = start.end();
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
     let mut per_scale = [zero; N];
     let (mut factors, mut momentum_matrix) = ([zero; M], [zero; M]);

@@ -14,7 +14,7 @@ use super::scale::{Balances, merit, per_scales, sensitivities};
 use super::secant::Secant;
 use super::{End, Residual, Start, put_at};
 use crate::lane::{Lane, load, store};
-use crate::shape::{Local, Shape};
+use crate::shape::Shape;
 use crate::step::{KEEP_FACTORS, LINEAR_END, STAGNATION};
 
 /// Evaluations of the Newton matrix before the step is given back.
@@ -73,22 +73,8 @@ pub(crate) fn newton<
     let zero = L::splat(0.0);
     let per_h = start.per_h;
     let half_h = L::splat(0.5) * start.h;
-    let mut local = Local {
-        q: start.q,
-        v: start.q,
-        t: start.t,
-        h: start.h,
-        rest: start.rest,
-        inputs: start.inputs,
-    };
-    let mut end = End {
-        delta: start.delta,
-        force: [zero; N],
-        iterations: 0,
-        matrices: 0,
-        failed: L::ALL,
-        is_calm: false,
-    };
+    let mut local = start.local();
+    let mut end = start.end();
     let mut at = Residual { r: [zero; N], momentum: [zero; N], force: [zero; N] };
     let mut per_scale = [zero; N];
     // Half the step's impulse as the last correction foretold it.

@@ -66,6 +66,27 @@ pub(crate) struct End<L, const N: usize, const Q: usize> {
     pub(crate) is_calm: bool,
 }
 
+impl<L: Lane, const N: usize, const Q: usize, const S: usize, const U: usize> Start<L, N, Q, S, U> {
+    /// What evaluations read; coordinates and rates are put in for each ([`put_at`]).
+    #[inline(always)]
+    fn local(&self) -> Local<L, Q, S, U> {
+        Local { q: self.q, v: self.q, t: self.t, h: self.h, rest: self.rest, inputs: self.inputs }
+    }
+
+    /// Before anything has been done.
+    #[inline(always)]
+    fn end(&self) -> End<L, N, Q> {
+        End {
+            delta: self.delta,
+            force: [L::splat(0.0); N],
+            iterations: 0,
+            matrices: 0,
+            failed: L::ALL,
+            is_calm: false,
+        }
+    }
+}
+
 /// What an evaluation gives.
 struct Residual<L, const N: usize> {
     /// p0 + (h/2)f − p.
