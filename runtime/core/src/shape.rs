@@ -10,7 +10,7 @@ use crate::array::sized_mut;
 use crate::lane::Lane;
 use crate::model::Midpoint;
 
-/// The Newton matrix of a block of so many unknowns is made anew in every step on lanes, and leads to
+/// The Newton matrix of a block of at most so many unknowns is made anew in every step on lanes, and leads to
 /// its end in one correction; where there are more its factors would cost more than further
 /// evaluations.
 pub const FEW: usize = 6;
@@ -78,7 +78,7 @@ pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, 
     /// Mass matrix.
     fn mass_matrix<L: Lane>(q: &[L; Q], constants: &[f64], matrix: &mut [L; M]);
     /// By how much the momentum changes with the increment, M/h + ½∂p/∂q; asked only of blocks without
-    /// constraints that have [`FEW`] unknowns.
+    /// constraints that have at most [`FEW`] unknowns; entries that are zero by structure are not written.
     fn momentum_matrix<L: Lane>(at: &Local<L, Q, S, U>, constants: &[f64], matrix: &mut [L; M]);
     /// Lengths of the strands (m).
     fn lengths<L: Lane>(q: &[L; Q], constants: &[f64], lengths: &mut [L; S]);
