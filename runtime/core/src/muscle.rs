@@ -1,5 +1,6 @@
 //! What muscles are told: excitations and activations lie between 0 and 1.
 
+use crate::layout::Layout;
 use crate::model::Model;
 
 /// Rounding that an excitation may be out of its range by.
@@ -25,4 +26,28 @@ pub(crate) fn out_of_range<M: Model>(
         is_out(share)
             .then(|| format!("the {what} of muscle `{name}` is {share}, not between 0 and 1"))
     })
+}
+
+/// What a run tells its muscles: for each the input that excites it, and the coordinate that is its
+/// activation where that is given instead.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Excitations(Vec<(usize, Option<usize>)>);
+
+impl Excitations {
+    /// Where the coordinates marked in `driven` are given.
+    pub(crate) fn new(layout: &Layout, driven: &[bool]) -> Self {
+        let of = |(_, muscle): (_, &crate::layout::Muscle)| {
+            (muscle.excitation, Some(muscle.activation).filter(|&a| driven[a]))
+        };
+        Excitations(layout.muscles().map(of).collect())
+    }
+
+    /// Whether all are between 0 and 1; looked at in every step, where [`out_of_range`] says what is
+    /// not.
+    #[inline]
+    pub(crate) fn are_in_range(&self, inputs: &[f64], q: &[f64]) -> bool {
+        self.0.iter().all(|&(excitation, activation)| {
+            !(is_out(inputs[excitation]) || activation.is_some_and(|a| is_out(q[a])))
+        })
+    }
 }

@@ -1,8 +1,9 @@
-//! A run of a scenario: natural lengths and drives fed, steps taken. `begin` finds its start, `look` is what
-//! is written of it, `lanes` steps it on vectors.
+//! A run of a scenario: natural lengths and drives fed, steps taken. `feed` knows where they come from,
+//! `begin` finds the start, `look` is what is written of the run, `lanes` steps it on vectors.
 
 mod ahead;
 mod begin;
+mod feed;
 mod lanes;
 mod look;
 
@@ -11,12 +12,13 @@ use crate::follow::Followed;
 use crate::lanes::Courses;
 use crate::layout::Layout;
 use crate::model::Model;
-use crate::muscle;
+use crate::muscle::{self, Excitations};
 use crate::passage::{Blocked, blocked};
 use crate::start::Kinetic;
 use crate::statics::Statics;
 use crate::step::{State, Stepper, Surroundings};
 use ahead::Ahead;
+use feed::Feed;
 use std::sync::Arc;
 
 pub use crate::lookup::{find_coordinate, find_name, find_param};
@@ -66,23 +68,11 @@ pub struct Simulation<M> {
     poses: Vec<Vec<f64>>,
     motions: Vec<Vec<(usize, f64)>>,
     inputs: Vec<f64>,
-    /// Inputs that are held at a value.
-    held: Vec<Option<f64>>,
+    feed: Feed,
     rest: Vec<f64>,
     /// Lengths prescribed at the end of the step (m).
     rest_end: Vec<f64>,
-    /// Lengths at the start (m), for inputs that stand for natural lengths.
-    start_lengths: Vec<f64>,
-    /// Whether any strand's length is prescribed.
-    is_prescribed: bool,
-    /// Whether there are inputs or natural lengths that the model gives.
-    is_fed: bool,
-    /// Whether any of them, or a path that is given, changes from step to step.
-    is_told: bool,
-    /// Whether any coordinate has its path given.
-    is_driven: bool,
-    /// Whether any strand is a muscle.
-    is_muscular: bool,
+    excitations: Excitations,
     statics: Statics,
     /// Coordinates as they are written: those without mass settled at the state's time.
     seen_q: Vec<f64>,
@@ -129,7 +119,7 @@ impl<M: Model> Simulation<M> {
     /// Holds an input at a value over the steps that follow, instead of what model and scenario give;
     /// `None` lets go of it. A controller calls this between steps.
     pub fn hold_input(&mut self, input: usize, value: Option<f64>) {
-        self.held[input] = value;
+        self.feed.hold(input, value);
     }
     /// Index of the scenario that runs.
     pub fn scenario(&self) -> Option<usize> {
@@ -156,9 +146,7 @@ impl<M: Model> Simulation<M> {
     /// As [`Simulation::step`], without lanes.
     pub(crate) fn step_by_numbers(&mut self) -> Result<(), RunError> {
         self.prepare();
-        if self.is_muscular {
-            self.excitable()?;
-        }
+        self.excitable()?;
         let Parts { model, state, stepper, around, .. } = self.parts();
         Ok(stepper.step_by_numbers(model, state, &around)?)
     }
@@ -166,12 +154,12 @@ impl<M: Model> Simulation<M> {
     /// Feeds what the next step needs.
     fn prepare(&mut self) {
         let t1 = self.next_time();
-        if self.is_prescribed {
+        if self.feed.is_prescribed {
             self.feed(t1);
             self.rest_end.copy_from_slice(&self.rest);
         }
         self.feed(0.5 * (self.state.t + t1));
-        drives(&mut self.model, self.scenario, t1, &mut self.driven_q);
+        self.feed.paths(&mut self.model, t1, &mut self.driven_q);
     }
 
     fn next_time(&self) -> f64 {
@@ -205,6 +193,9 @@ impl<M: Model> Simulation<M> {
 
     /// An error if a muscle is told what it cannot do in the prepared step.
     fn excitable(&self) -> Result<(), RunError> {
+        if self.excitations.are_in_range(&self.inputs, &self.driven_q) {
+            return Ok(());
+        }
         let told = (&self.driven_q[..], &self.driven[..]);
         let Some(what) = muscle::out_of_range(&self.model, told, &self.inputs) else {
             return Ok(());
@@ -242,32 +233,9 @@ impl<M: Model> Simulation<M> {
 
     /// Inputs and natural lengths at time t.
     fn feed(&mut self, t: f64) {
-        self.feed_but_follow(t);
+        self.feed.inputs(&mut self.model, t, &mut self.inputs);
+        self.feed.rests(&mut self.model, t, &self.inputs, &mut self.rest);
         self.follow(t);
-    }
-
-    fn feed_but_follow(&mut self, t: f64) {
-        if !self.inputs.is_empty() {
-            self.model.inputs(t, &mut self.inputs);
-            if let Some(scenario) = self.scenario {
-                self.model.scenario_inputs(scenario, t, &mut self.inputs);
-            }
-            for (input, held) in self.inputs.iter_mut().zip(&self.held) {
-                *input = held.unwrap_or(*input);
-            }
-            for (strand, &length) in self.layout.strands.iter().zip(&self.start_lengths) {
-                if let Some(input) = strand.actuator.filter(|&input| self.inputs[input].is_nan()) {
-                    self.inputs[input] = length;
-                }
-            }
-        }
-        if self.rest.is_empty() {
-            return;
-        }
-        self.model.rests(t, &self.inputs, &mut self.rest);
-        if let Some(scenario) = self.scenario.filter(|_| self.is_prescribed) {
-            self.model.scenario_rests(scenario, t, &mut self.rest);
-        }
     }
 
     /// Natural lengths that follow motions.
@@ -280,12 +248,5 @@ impl<M: Model> Simulation<M> {
                 self.rest[strand] = followed.lengths()[strand];
             }
         }
-    }
-}
-
-fn drives<M: Model>(model: &mut M, scenario: Option<usize>, t: f64, q: &mut [f64]) {
-    model.drives(t, q);
-    if let Some(scenario) = scenario {
-        model.scenario_drives(scenario, t, q);
     }
 }

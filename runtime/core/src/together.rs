@@ -121,27 +121,15 @@ impl<M: Model> Together<M> {
             models[lane] = &run.model;
             around[lane] = run.around_on_lanes();
             courses[lane] = run.courses();
-            told[lane] = run.told(0).unwrap_or(Told::NOTHING);
+            told[lane] = run.told().unwrap_or(Told::NOTHING);
         }
         let models = &models[..active.len()];
         if !lanes.arrange(models) || !self.is_held {
             let taken_up: Vec<_> = active.iter().map(|&number| runs[number].taken_up()).collect();
-            lanes.take_up(&taken_up, &told);
+            lanes.take_up(&taken_up);
         }
         lanes.begin(&around);
-        lanes.tell(&told);
-        for k in 1..count {
-            let mut changes = false;
-            for (told, &number) in told.iter_mut().zip(active.iter()) {
-                if let Some(row) = runs[number].told(k) {
-                    (*told, changes) = (row, true);
-                }
-            }
-            if !changes {
-                break;
-            }
-            lanes.tell(&told);
-        }
+        lanes.tell(&told[..active.len()]);
         let (taken, bits) = match lanes.step(models, &courses, count) {
             Outcome::Stepped(taken) => (taken, 0),
             Outcome::Failed(bits) => (1, bits),

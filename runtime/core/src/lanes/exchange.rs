@@ -2,6 +2,7 @@
 
 use super::Lanes;
 use super::vector::Vector;
+use crate::lane::Lane;
 use crate::predict::Missed;
 use crate::step::State;
 
@@ -16,15 +17,17 @@ pub(crate) struct Around {
     pub(crate) tolerance: f64,
 }
 
-/// What one run is told in a step.
+/// What one run is told in steps to come: lists of one row for each of them, or without any number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told<'a> {
+    /// How many steps.
+    pub(crate) steps: usize,
     /// Natural lengths at the middle (m); those of followers are not read.
     pub(crate) rest: &'a [f64],
     /// Inputs at the middle.
     pub(crate) inputs: &'a [f64],
-    /// Kinematic coordinates at the end.
-    pub(crate) driven_q: &'a [f64],
+    /// Coordinates at the end, of which kinematic ones are read.
+    pub(crate) ends: &'a [f64],
 }
 
 impl Around {
@@ -34,7 +37,7 @@ impl Around {
 
 impl Told<'_> {
     /// Nothing, where there is no run.
-    pub(crate) const NOTHING: Told<'static> = Told { rest: &[], inputs: &[], driven_q: &[] };
+    pub(crate) const NOTHING: Told<'static> = Told { steps: 0, rest: &[], inputs: &[], ends: &[] };
 }
 
 /// A run as it is taken up.
@@ -42,6 +45,8 @@ impl Told<'_> {
 pub(crate) struct TakenUp<'a> {
     /// Its state.
     pub(crate) state: &'a State,
+    /// Natural lengths (m), of which those that are told are not read.
+    pub(crate) rest: &'a [f64],
     /// How far guesses of each degree have missed.
     pub(crate) missed: &'a Missed,
     /// The largest sensitivity so far of each equation of static equilibrium.
@@ -49,13 +54,13 @@ pub(crate) struct TakenUp<'a> {
 }
 
 impl Lanes {
-    /// Takes up runs, which have all taken the same number of steps; with what they are told next.
-    pub(crate) fn take_up(&mut self, runs: &[TakenUp], told: &[Told]) {
+    /// Takes up runs, which have all taken the same number of steps.
+    pub(crate) fn take_up(&mut self, runs: &[TakenUp]) {
         self.known = runs.first().map_or(0, |run| run.state.step);
         for vector in &mut self.vectors {
             vector.take_up(runs);
             for (k, strand) in vector.strands.iter().enumerate() {
-                vector.rest[k] = told[vector.runs[k % vector.width]].rest[*strand];
+                vector.rest[k] = runs[vector.runs[k % vector.width]].rest[*strand];
             }
             vector.forget();
         }
@@ -67,7 +72,7 @@ impl Lanes {
         self.vectors.iter_mut().for_each(|vector| vector.begin(around));
     }
 
-    /// Hands over what the runs are told in one more step. Where nothing changes once is enough.
+    /// Hands over what the runs are told. Where nothing changes one row is enough for all steps.
     #[inline]
     pub(crate) fn tell(&mut self, told: &[Told]) {
         self.vectors.iter_mut().for_each(|vector| vector.tell(told));
@@ -153,26 +158,39 @@ impl Vector {
     }
 
     fn tell(&mut self, told: &[Told]) {
-        self.told.extend(self.fed_inputs.iter().map(|fed| told[fed.run].inputs[fed.index]));
-        self.told.extend(self.fed_ends.iter().map(|fed| told[fed.run].driven_q[fed.index]));
-        self.told.extend(self.fed_rest.iter().map(|fed| told[fed.run].rest[fed.index]));
+        let Vector { told: rows, fed_inputs, fed_ends, fed_rest, .. } = self;
+        let width = fed_inputs.len() + fed_ends.len() + fed_rest.len();
+        let steps = told.iter().map(|told| told.steps).min().unwrap_or(0);
+        rows.resize(steps * width, 0.0);
+        let inputs = fed_inputs.iter().map(|fed| (fed, told[fed.run].inputs));
+        let ends = fed_ends.iter().map(|fed| (fed, told[fed.run].ends));
+        let rest = fed_rest.iter().map(|fed| (fed, told[fed.run].rest));
+        for (place, (fed, list)) in inputs.chain(ends).chain(rest).enumerate() {
+            let stride = list.len() / told[fed.run].steps;
+            let numbers = list.iter().skip(fed.index).step_by(stride);
+            for (row, &number) in rows.chunks_exact_mut(width).zip(numbers) {
+                row[place] = number;
+            }
+        }
     }
 
     /// Takes what it has been told for step `k` of a stretch.
-    #[inline]
-    pub(super) fn listen(&mut self, k: usize) {
-        if self.told.is_empty() {
+    #[inline(always)]
+    pub(super) fn listen<L: Lane>(&mut self, k: usize) {
+        // All inputs and ends are fed, in the order of the lists.
+        let [inputs, ends] = [self.inputs.len(), self.ends.len()];
+        let count = inputs + ends + self.fed_rest.len();
+        if count == 0 {
             return;
         }
-        // All inputs and ends are fed, in the order of the lists.
-        let counts = [self.inputs.len(), self.ends.len(), self.fed_rest.len()];
-        let count = counts.iter().sum::<usize>();
         let Some(row) = self.told.get(k * count..(k + 1) * count) else { return };
-        let (inputs, row) = row.split_at(counts[0]);
-        let (ends, rest) = row.split_at(counts[1]);
-        self.inputs.copy_from_slice(inputs);
-        self.ends.copy_from_slice(ends);
-        for (fed, &value) in self.fed_rest.iter().zip(rest) {
+        for i in (0..inputs).step_by(L::WIDTH) {
+            L::load(&row[i..]).store(&mut self.inputs[i..]);
+        }
+        for i in (0..ends).step_by(L::WIDTH) {
+            L::load(&row[inputs + i..]).store(&mut self.ends[i..]);
+        }
+        for (fed, &value) in self.fed_rest.iter().zip(&row[inputs + ends..]) {
             self.rest[fed.place] = value;
         }
     }

@@ -130,7 +130,7 @@ impl<
         vector.begin_stretch();
         let count = stretch.unwrap_or(1);
         for k in 0..count {
-            vector.listen(k);
+            vector.listen::<L>(k);
             if k > 0 {
                 let (begin, end) = ((known + k) as f64, (known + k + 1) as f64);
                 middle(L::splat(begin), L::splat(end), h).store(&mut vector.t);

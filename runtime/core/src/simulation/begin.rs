@@ -1,14 +1,13 @@
 //! How a run begins: parameters, the start on the constraints, what moves no mass at rest.
 
 use super::ahead::Ahead;
-use super::{
-    DEFAULT_TOLERANCE, Settings, Simulation, drives, find_coordinate, find_name, find_param,
-};
+use super::feed::Feed;
+use super::{DEFAULT_TOLERANCE, Settings, Simulation, find_coordinate, find_name, find_param};
 use crate::error::RunError;
 use crate::follow::Followed;
 use crate::lookup::find_scenario;
 use crate::model::{Model, ScenarioValues};
-use crate::muscle;
+use crate::muscle::{self, Excitations};
 use crate::passage::{Blocked, blocked};
 use crate::requirement;
 use crate::start::{Kinetic, momentum, project};
@@ -60,15 +59,16 @@ impl<M: Model> Simulation<M> {
         }
         let poses = full_poses(&q, &values);
         let mut driven_q = q.clone();
-        drives(&mut model, scenario, 0.0, &mut driven_q);
+        let mut feed = Feed::new(&layout, scenario, driven.contains(&true));
+        feed.paths(&mut model, 0.0, &mut driven_q);
         for i in (0..n).filter(|&i| driven[i]) {
             q[i] = driven_q[i];
             v[i] = 0.0;
         }
         let mut lengths = vec![0.0; layout.strands.len()];
         model.strand_lengths(&q, &mut lengths);
+        feed.begin(&layout, &lengths);
         let tolerance = values.tolerance.unwrap_or(DEFAULT_TOLERANCE);
-        let is_driven = driven.contains(&true);
         let mut simulation = Simulation {
             state: State::new(q, vec![0.0; n], v, layout.rows.len()),
             h,
@@ -77,25 +77,18 @@ impl<M: Model> Simulation<M> {
             scenario,
             stepper: Stepper::new(&layout, &driven, tolerance),
             statics: Statics::new(&layout, &driven),
-            driven,
             poses,
             motions: values.motions,
             inputs: vec![0.0; layout.inputs.len()],
-            held: vec![None; layout.inputs.len()],
+            feed,
             followed: vec![
                 Followed::new(n, layout.strands.len());
                 scenario.map_or(0, |s| layout.scenarios[s].follow.len())
             ],
             rest_end: lengths.clone(),
-            start_lengths: lengths.clone(),
             rest: lengths,
-            is_prescribed: layout.strands.iter().any(|s| s.is_prescribed),
-            is_fed: !layout.inputs.is_empty() || layout.strands.iter().any(|s| s.has_rest),
-            is_told: !layout.inputs.is_empty()
-                || is_driven
-                || layout.strands.iter().any(|s| s.rest_varies || s.muscle.is_some()),
-            is_driven,
-            is_muscular: layout.strands.iter().any(|s| s.muscle.is_some()),
+            excitations: Excitations::new(&layout, &driven),
+            driven,
             seen_q: vec![0.0; n],
             seen_v: vec![0.0; n],
             driven_q,
@@ -140,12 +133,14 @@ impl<M: Model> Simulation<M> {
             ))
         })?;
         *p = momentum(model, q, v, driven);
-        model.strand_lengths(q, &mut self.start_lengths);
+        let mut lengths = vec![0.0; self.layout.strands.len()];
+        model.strand_lengths(q, &mut lengths);
         for (strand, layout) in self.layout.strands.iter().enumerate() {
             if !layout.is_prescribed {
-                self.rest[strand] = self.start_lengths[strand];
+                self.rest[strand] = lengths[strand];
             }
         }
+        self.feed.begin(&self.layout, &lengths);
         self.feed(0.0);
         self.begin_muscles(started)?;
         if self.statics.is_empty() {

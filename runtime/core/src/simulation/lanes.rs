@@ -26,7 +26,7 @@ impl<M: Model> Simulation<M> {
         let count = self.stepper.lanes().reach(count);
         let count = self.look_ahead(count);
         let Parts { model, state, stepper, around, courses, ahead } = self.parts();
-        let told = |k| ahead.told(k);
+        let Some(told) = ahead.told() else { return 0 };
         let taken = stepper.steps_on_lanes(model, state, &around, courses, told, count);
         if taken > 0 {
             self.pass_time(taken);
@@ -63,7 +63,7 @@ impl<M: Model> Simulation<M> {
 
     /// This run as shared lanes take it up.
     pub(crate) fn taken_up(&self) -> TakenUp<'_> {
-        self.stepper.taken_up(&self.state)
+        self.stepper.taken_up(&self.state, &self.rest)
     }
 
     /// After steps on lanes that are shared: time goes on; the rest of the state stays there.

@@ -59,19 +59,18 @@ impl Stepper {
         Around { t: 0.5 * (state.t + around.t1), h: around.h, tolerance: self.tolerance }
     }
 
-    /// Takes up to `count` steps on lanes, which are `told` what they need, and returns how many: none, with the state untouched, where the model or the machine has
-    /// no lanes, or where Newton's method needs more than they can do. Then there is time to pass and
-    /// the state to be held.
-    pub(crate) fn steps_on_lanes<'t, M: Model>(
+    /// Takes up to `count` steps on lanes, which are `told` what they need, and returns how many: none,
+    /// with the state untouched, where the model or the machine has no lanes, or where Newton's method
+    /// needs more than they can do. Otherwise there is time to pass and the state to be held.
+    pub(crate) fn steps_on_lanes<M: Model>(
         &mut self,
         model: &M,
         state: &mut State,
         around: &Surroundings,
         courses: Courses,
-        told: impl Fn(usize) -> Option<Told<'t>>,
+        told: Told,
         count: usize,
     ) -> usize {
-        let Some(first) = told(0) else { return 0 };
         if !self.may_use_lanes(state) {
             return 0;
         }
@@ -79,10 +78,10 @@ impl Stepper {
         let on_lanes = &mut self.on_lanes;
         if !on_lanes.lanes.arrange(&[model]) || !on_lanes.holds(state) {
             let (missed, stiffest) = (&self.predictor.missed, &self.stiffest[..]);
-            on_lanes.lanes.take_up(&[TakenUp { state, missed, stiffest }], &[first]);
+            on_lanes.lanes.take_up(&[TakenUp { state, rest: around.rest, missed, stiffest }]);
         }
         on_lanes.lanes.begin(&on_lane);
-        (0..count).map_while(told).for_each(|told| on_lanes.lanes.tell(&[told]));
+        on_lanes.lanes.tell(&[told]);
         match on_lanes.lanes.step(&[model], &[courses], count) {
             Outcome::Unavailable => {
                 on_lanes.is_possible = false;
@@ -114,8 +113,8 @@ impl Stepper {
     }
 
     /// This run as lanes take it up.
-    pub(crate) fn taken_up<'a>(&'a self, state: &'a State) -> TakenUp<'a> {
-        TakenUp { state, missed: &self.predictor.missed, stiffest: &self.stiffest }
+    pub(crate) fn taken_up<'a>(&'a self, state: &'a State, rest: &'a [f64]) -> TakenUp<'a> {
+        TakenUp { state, rest, missed: &self.predictor.missed, stiffest: &self.stiffest }
     }
 
     /// Writes a state that has stepped on the lanes of several runs, and what its guesses are made of.

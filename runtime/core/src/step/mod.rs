@@ -243,7 +243,7 @@ impl Stepper {
     ) -> Result<(), StepError> {
         let nothing_follows = Courses { poses: &[], motions: &[] };
         let Surroundings { rest, inputs, driven_q, .. } = *around;
-        let told = |_| Some(Told { rest, inputs, driven_q });
+        let told = Told { steps: 1, rest, inputs, ends: driven_q };
         if self.steps_on_lanes(model, state, around, nothing_follows, told, 1) > 0 {
             self.pass_time(state, around);
             self.hold(state);
