@@ -41,6 +41,10 @@ pub trait Naming {
     fn over_lanes(&self) -> bool {
         false
     }
+    /// Whether what is computed only steers, so that reciprocals may be rough.
+    fn is_rough(&self) -> bool {
+        false
+    }
 }
 
 /// An argument of an emitted function; its name is the same wherever it is passed on.
@@ -101,7 +105,7 @@ pub fn place_of(leaf: Leaf) -> (&'static str, Option<usize>) {
 }
 
 /// Functions of `handc_core::math` that code may call.
-pub const MATH: [&str; 24] = [
+pub const MATH: [&str; 25] = [
     "abs",
     "acos",
     "asin",
@@ -121,6 +125,7 @@ pub const MATH: [&str; 24] = [
     "neg_mul_add",
     "powf",
     "powi",
+    "rough_recip",
     "sin",
     "sin_cos",
     "sqrt",
@@ -129,7 +134,7 @@ pub const MATH: [&str; 24] = [
 ];
 
 /// The order of arguments.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 20] = [
     "q",
     "v",
     "t",
@@ -148,6 +153,8 @@ const ORDER: [&str; 18] = [
     "before",
     "after",
     "size",
+    "momentum_matrix",
+    "step",
 ];
 
 impl Function {
@@ -161,7 +168,7 @@ impl Function {
         let cut = cut(statements, self.longest);
         let names = self.names(naming, &plan, statements, &code.made_for);
         let lanes = naming.over_lanes();
-        let mut printer = Printer::new(&names, lanes);
+        let mut printer = Printer::new(&names, lanes, naming.is_rough());
         let arguments = self.arguments(statements);
         let operations = Operations::of(statements);
         let docs = self.doc.iter().map(String::as_str).map(doc_line);
@@ -169,7 +176,8 @@ impl Function {
         let header = quote!(#(#docs)* #[doc = ""] #count);
         let name = identifier(&self.name);
         let whole = signature(&arguments, naming);
-        let value = self.returns().then(|| quote!(-> f64));
+        let element = element(naming);
+        let value = self.returns().then(|| quote!(-> #element));
         let generics = lanes.then(|| quote!(<L: Lane>));
         let inline = lanes.then(|| quote!(#[inline(always)]));
         let tokens = if let [part] = &cut.parts[..] {
@@ -183,7 +191,6 @@ impl Function {
                 let part_name = format_ident!("{}_part_{}", name, number + 1);
                 let arguments = self.arguments(&statements[part.statements.clone()]);
                 let passed = arguments.iter().map(|a| identifier(a.name));
-                let element = element(naming);
                 // Parts that have nothing to do with others need no room for it.
                 let shares = !part.loads.is_empty() || !part.stores.is_empty();
                 let (signature, work) = if shares {

@@ -22,6 +22,7 @@ pub struct Names {
 pub struct Printer<'a> {
     names: &'a Names,
     over_lanes: bool,
+    is_rough: bool,
     /// Names of the functions called.
     pub functions: BTreeSet<&'static str>,
 }
@@ -41,9 +42,9 @@ pub fn identifier(text: &str) -> Ident {
 }
 
 impl<'a> Printer<'a> {
-    /// A printer that uses `names`; code over lanes wraps its constants.
-    pub fn new(names: &'a Names, over_lanes: bool) -> Self {
-        Printer { names, over_lanes, functions: BTreeSet::new() }
+    /// A printer that uses `names`; code over lanes wraps its constants, and may have rough reciprocals.
+    pub fn new(names: &'a Names, over_lanes: bool, is_rough: bool) -> Self {
+        Printer { names, over_lanes, is_rough, functions: BTreeSet::new() }
     }
 
     /// The name of an unknown.
@@ -136,6 +137,9 @@ impl<'a> Printer<'a> {
             Expression::Mul(two) => {
                 let [a, b] = self.two(two, Binding::Product, Binding::Negation);
                 (quote!(#a * #b), Binding::Product)
+            }
+            Expression::Div(two) if self.is_rough && two[0] == Expression::Constant(1.0) => {
+                atom(self.call("rough_recip", std::slice::from_ref(&two[1])))
             }
             Expression::Div(two) => {
                 let [a, b] = self.two(two, Binding::Product, Binding::Negation);

@@ -54,6 +54,10 @@ pub enum SystemArray {
     Residual,
     /// Gaps of the rows.
     Gaps,
+    /// By how much the momentum changes with the step.
+    Momentum,
+    /// A step that was found.
+    Step,
 }
 
 impl SystemArray {
@@ -67,6 +71,8 @@ impl SystemArray {
             SystemArray::Factors => "factors",
             SystemArray::Residual => "residual",
             SystemArray::Gaps => "gaps",
+            SystemArray::Momentum => "momentum_matrix",
+            SystemArray::Step => "step",
         }
     }
 }

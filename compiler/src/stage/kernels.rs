@@ -2,12 +2,11 @@
 
 use super::parts::{self, parts_of_strands};
 use super::symbols::Symbols;
-use super::{Module, Task};
+use super::{Module, Task, direct};
 use crate::emit::{Output, Place};
 use crate::graph::{Leaf, Sym};
 use handc_core::passage::CLEARANCES;
 use handc_core::scalar::Scalar;
-use handc_core::shape::FEW;
 use handc_runtime::mechanism::Law;
 
 /// The results of a kernel as outputs to `array`, labelled by `label`; zeros are left out where the
@@ -100,7 +99,12 @@ pub(super) fn parts(symbols: &Symbols) -> Vec<Task> {
             all,
         ));
         tasks.push(task("mass_matrix", "Mass matrix M = ∂²L/∂v².", packed("matrix", &mass)));
-        if part.is_block && part.coordinates.len() <= FEW {
+        let entry = |slot: usize| {
+            let (row, column) = part.entry(slot);
+            row * part.coordinates.len() + column
+        };
+        let there = part.slots().filter(|&slot| !matrix[slot].is_known_zero()).map(entry).collect();
+        if part.is_block && direct::suits(part.coordinates.len(), &there) {
             tasks.push(task(
                 "momentum_matrix",
                 "By how much the momentum changes with the increment of a step: M/h + ½∂p/∂q.",

@@ -7,6 +7,8 @@
 
 mod budget;
 mod cost;
+mod direct;
+mod elimination;
 mod harmony;
 mod hoist;
 mod kernels;
@@ -101,6 +103,8 @@ pub fn stage(mechanism: &Mechanism, structure: &Structure, budget: usize) -> Sta
         let all: Vec<Task> = parts.iter().chain(&of_model).cloned().collect();
         let (own, of_systems) = systems::systems(structure, &all);
         (shapes, tasks) = like_parts(mechanism, &symbols, &parts);
+        let solvers = direct::tasks(&shapes, &tasks);
+        tasks.extend(solvers);
         tasks.extend(of_systems);
         systems = own;
     } else {

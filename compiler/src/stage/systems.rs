@@ -2,10 +2,9 @@
 //!
 //! Part by part: a part whose coordinates can satisfy all rows that touch it is eliminated together
 //! with them, those touched by the fewest rows first; so the fingertips on a ball leave six equations
-//! for the ball. What is left are rows of parts that are all gone. Within a part the coordinate comes
-//! next that has the fewest neighbours. No two rows are exchanged: matrices of motion are definite but
-//! for terms in the step, and how far a pivot has shrunk is returned to the caller.
+//! for the ball. What is left are rows of parts that are all gone.
 
+use super::elimination::Elimination;
 use super::parts::{Part, parts};
 use super::{Module, Task};
 use crate::emit::{Output, Place};
@@ -44,8 +43,8 @@ pub(super) fn systems(structure: &Structure, tasks: &[Task]) -> (Vec<System>, Ve
         if block.rows.is_empty() {
             continue;
         }
-        let Some(elimination) = Elimination::run(block, &there) else { continue };
-        let tasks = elimination.tasks(systems.len());
+        let Some(elimination) = eliminated(block, &there) else { continue };
+        let tasks = solvers(systems.len(), block, &elimination);
         systems.push(System { block: number, factors: elimination.factors.len() });
         made.push(sensitivities(systems.len() - 1, block, &there));
         made.extend(pulls(systems.len() - 1, block, &there[1]));
@@ -116,189 +115,93 @@ fn pulls(system: usize, block: &Block, jacobian: &BTreeSet<usize>) -> [Task; 2] 
     ]
 }
 
-/// A system on its way to factors. Unknowns count the block's coordinates, then its rows.
-struct Elimination<'a> {
-    block: &'a Block,
-    /// Entries that are not zero by structure, row by row.
-    rows: Vec<BTreeMap<usize, Sym>>,
-    /// The pivots so far, in order: unknown, its reciprocal among the factors.
-    order: Vec<(usize, usize)>,
-    /// Entries below each pivot: unknown and place among the factors; and beside it.
-    below: Vec<Vec<(usize, usize)>>,
-    beside: Vec<Vec<(usize, usize)>>,
-    factors: Vec<Sym>,
-    /// What each diagonal entry was before it began to shrink.
-    scale: Vec<Option<Sym>>,
-    shrinkage: Sym,
-    products: usize,
+/// Eliminates everything; `None` where that is too long or meets a structural zero.
+fn eliminated(block: &Block, there: &[BTreeSet<usize>; 2]) -> Option<Elimination> {
+    let mut elimination = open(block, there);
+    let first_row = block.coordinates.len();
+    let mut open: Vec<(Part, usize)> = Vec::new();
+    for (range, part) in block.part_ranges().zip(parts(std::slice::from_ref(block))) {
+        open.push((part, range.start));
+    }
+    while !open.is_empty() {
+        let held = |&(part, first): &(Part, usize)| -> Vec<usize> {
+            let mut rows: Vec<usize> = (first..first + part.coordinates.len())
+                .flat_map(|i| elimination.neighbours(i))
+                .filter(|&unknown| unknown >= first_row)
+                .collect();
+            rows.sort_unstable();
+            rows.dedup();
+            rows.retain(|&row| !elimination.is_done(row));
+            rows
+        };
+        let counts = open.iter().map(|part| held(part).len());
+        let (next, _) = counts.enumerate().min_by_key(|&(_, count)| count)?;
+        let (part, first) = open[next];
+        let rows = held(&open[next]);
+        open.remove(next);
+        elimination.eliminate((first..first + part.coordinates.len()).collect(), LARGEST)?;
+        if rows.len() <= part.coordinates.len() {
+            elimination.eliminate(rows, LARGEST)?;
+        }
+    }
+    let last = (first_row..first_row + block.rows.len()).collect::<Vec<_>>();
+    let left = last.into_iter().filter(|&row| !elimination.is_done(row)).collect();
+    elimination.eliminate(left, LARGEST)?;
+    Some(elimination)
 }
 
-impl<'a> Elimination<'a> {
-    /// Eliminates everything; `None` where that is too long or meets a structural zero.
-    fn run(block: &'a Block, there: &[BTreeSet<usize>; 2]) -> Option<Self> {
-        let mut elimination = Self::new(block, there);
-        let first_row = block.coordinates.len();
-        let mut open: Vec<(Part, usize)> = Vec::new();
-        for (range, part) in block.part_ranges().zip(parts(std::slice::from_ref(block))) {
-            open.push((part, range.start));
-        }
-        while !open.is_empty() {
-            let held = |&(part, first): &(Part, usize)| -> Vec<usize> {
-                let mut rows: Vec<usize> = (first..first + part.coordinates.len())
-                    .flat_map(|i| elimination.rows[i].keys().copied())
-                    .filter(|&unknown| unknown >= first_row)
-                    .collect();
-                rows.sort_unstable();
-                rows.dedup();
-                rows.retain(|&row| !elimination.is_done(row));
-                rows
-            };
-            let counts = open.iter().map(|part| held(part).len());
-            let (next, _) = counts.enumerate().min_by_key(|&(_, count)| count)?;
-            let (part, first) = open[next];
-            let rows = held(&open[next]);
-            open.remove(next);
-            elimination.eliminate((first..first + part.coordinates.len()).collect())?;
-            if rows.len() <= part.coordinates.len() {
-                elimination.eliminate(rows)?;
-            }
-        }
-        let last = (first_row..first_row + block.rows.len()).collect::<Vec<_>>();
-        let left = last.into_iter().filter(|&row| !elimination.is_done(row)).collect();
-        elimination.eliminate(left)?;
-        Some(elimination)
+/// The system before anything has been eliminated.
+fn open(block: &Block, [matrix, jacobian]: &[BTreeSet<usize>; 2]) -> Elimination {
+    let (n, m) = (block.coordinates.len(), block.rows.len());
+    let mut rows = vec![BTreeMap::new(); n + m];
+    for &slot in matrix.range(block.matrix_offset..block.matrix_offset + n * n) {
+        let (i, j) = ((slot - block.matrix_offset) / n, (slot - block.matrix_offset) % n);
+        rows[i].insert(j, leaf(SystemArray::Matrix, slot));
     }
+    for &slot in jacobian.range(block.constraint_offset..block.constraint_offset + n * m) {
+        let (k, j) = ((slot - block.constraint_offset) / n, (slot - block.constraint_offset) % n);
+        rows[j].insert(n + k, -leaf(SystemArray::Before, slot));
+        rows[n + k].insert(j, leaf(SystemArray::After, slot));
+    }
+    Elimination::new(n, rows)
+}
 
-    fn new(block: &'a Block, [matrix, jacobian]: &[BTreeSet<usize>; 2]) -> Self {
-        let (n, m) = (block.coordinates.len(), block.rows.len());
-        let mut rows = vec![BTreeMap::new(); n + m];
-        for &slot in matrix.range(block.matrix_offset..block.matrix_offset + n * n) {
-            let (i, j) = ((slot - block.matrix_offset) / n, (slot - block.matrix_offset) % n);
-            rows[i].insert(j, leaf(SystemArray::Matrix, slot));
-        }
-        for &slot in jacobian.range(block.constraint_offset..block.constraint_offset + n * m) {
-            let (k, j) =
-                ((slot - block.constraint_offset) / n, (slot - block.constraint_offset) % n);
-            rows[j].insert(n + k, -leaf(SystemArray::Before, slot));
-            rows[n + k].insert(j, leaf(SystemArray::After, slot));
-        }
-        let scale = (0..n + m).map(|i| rows[i].get(&i).copied()).collect();
-        Elimination {
-            block,
-            order: Vec::new(),
-            below: vec![Vec::new(); n + m],
-            beside: vec![Vec::new(); n + m],
-            rows,
-            factors: Vec::new(),
-            scale,
-            shrinkage: Sym::one(),
-            products: 0,
-        }
-    }
-
-    fn is_done(&self, unknown: usize) -> bool {
-        self.order.iter().any(|&(done, _)| done == unknown)
-    }
-
-    /// Eliminates some unknowns, those with the fewest neighbours first.
-    fn eliminate(&mut self, mut unknowns: Vec<usize>) -> Option<()> {
-        while !unknowns.is_empty() {
-            let with_pivot =
-                unknowns.iter().enumerate().filter(|(_, u)| self.rows[**u].contains_key(u));
-            let (next, _) = with_pivot.min_by_key(|(_, u)| self.rows[**u].len())?;
-            self.pivot(unknowns.remove(next));
-            if self.products > LARGEST {
-                return None;
-            }
-        }
-        Some(())
-    }
-
-    fn keep(&mut self, value: Sym) -> usize {
-        self.factors.push(value);
-        self.factors.len() - 1
-    }
-
-    fn pivot(&mut self, pivot: usize) {
-        let is_coordinate = pivot < self.block.coordinates.len();
-        let row = std::mem::take(&mut self.rows[pivot]);
-        let diagonal = row[&pivot];
-        let reciprocal = diagonal.recip();
-        if let Some(scale) = self.scale[pivot].filter(|&scale| scale != diagonal) {
-            self.shrinkage = self.shrinkage.max((scale * reciprocal).abs());
-        }
-        let place = self.keep(reciprocal);
-        self.order.push((pivot, place));
-        let beside: Vec<(usize, Sym)> = row.into_iter().filter(|&(j, _)| j != pivot).collect();
-        for &(j, value) in &beside {
-            let place = self.keep(value);
-            self.beside[pivot].push((j, place));
-        }
-        for other in 0..self.rows.len() {
-            let Some(entry) = self.rows[other].remove(&pivot) else { continue };
-            let factor = entry * reciprocal;
-            let place = self.keep(factor);
-            self.below[pivot].push((other, place));
-            for &(j, value) in &beside {
-                self.products += 1;
-                let entry = self.rows[other].entry(j).or_insert_with(Sym::zero);
-                *entry -= factor * value;
-            }
-            // A multiplier's pivot is made by coordinates and unmade by other multipliers.
-            if is_coordinate && other >= self.block.coordinates.len() {
-                self.scale[other] = self.rows[other].get(&other).copied();
-            }
-        }
-    }
-
-    /// The functions that factor and solve.
-    fn tasks(&self, system: usize) -> [Task; 2] {
-        let factors = self.factors.iter().enumerate();
-        let mut outputs: Vec<Output> =
-            factors.map(|(i, &value)| output("factors", i, value, "factor")).collect();
-        outputs.push(Output {
-            place: Place::Return,
-            value: self.shrinkage,
-            label: "shrinkage".to_owned(),
-        });
-        let factor = |place: usize| leaf(SystemArray::Factors, place);
-        let n = self.block.coordinates.len();
-        let residuals = self.block.coordinates.iter().map(|&c| -leaf(SystemArray::Residual, c));
-        let gaps = self.block.rows.iter().map(|&row| -leaf(SystemArray::Gaps, row));
-        let mut x: Vec<Sym> = residuals.chain(gaps).collect();
-        for &(pivot, _) in &self.order {
-            for &(other, place) in &self.below[pivot] {
-                x[other] = x[other] - factor(place) * x[pivot];
-            }
-        }
-        for &(pivot, reciprocal) in self.order.iter().rev() {
-            for &(other, place) in &self.beside[pivot] {
-                x[pivot] = x[pivot] - factor(place) * x[other];
-            }
-            x[pivot] = x[pivot] * factor(reciprocal);
-        }
-        let steps = self.block.coordinates.iter().zip(&x);
-        let mut solution: Vec<Output> =
-            steps.map(|(&c, &value)| output("step", c, value, "step")).collect();
-        let changes = self.block.rows.iter().zip(&x[n..]);
-        solution.extend(changes.map(|(&row, &value)| output("change", row, value, "change")));
-        [
-            task(
-                system,
-                "factor",
-                "Factors of J and of G₁J⁻¹G₀ᵀ in the order of elimination; returns by how much the \
-                 smallest pivot has shrunk.",
-                outputs,
-            ),
-            task(
-                system,
-                "solve",
-                "Solves Jδ − G₀ᵀμ = −r and G₁δ = −c for the step δ and the change μ of the \
-                 multipliers.",
-                solution,
-            ),
-        ]
-    }
+/// The functions that factor and solve.
+fn solvers(system: usize, block: &Block, elimination: &Elimination) -> [Task; 2] {
+    let factors = elimination.factors.iter().enumerate();
+    let mut outputs: Vec<Output> =
+        factors.map(|(i, &value)| output("factors", i, value, "factor")).collect();
+    outputs.push(Output {
+        place: Place::Return,
+        value: elimination.shrinkage,
+        label: "shrinkage".to_owned(),
+    });
+    let n = block.coordinates.len();
+    let residuals = block.coordinates.iter().map(|&c| -leaf(SystemArray::Residual, c));
+    let gaps = block.rows.iter().map(|&row| -leaf(SystemArray::Gaps, row));
+    let factor = |place| leaf(SystemArray::Factors, place);
+    let x = elimination.solution(residuals.chain(gaps).collect(), factor);
+    let steps = block.coordinates.iter().zip(&x);
+    let mut solution: Vec<Output> =
+        steps.map(|(&c, &value)| output("step", c, value, "step")).collect();
+    let changes = block.rows.iter().zip(&x[n..]);
+    solution.extend(changes.map(|(&row, &value)| output("change", row, value, "change")));
+    [
+        task(
+            system,
+            "factor",
+            "Factors of J and of G₁J⁻¹G₀ᵀ in the order of elimination; returns by how much the \
+             smallest pivot has shrunk.",
+            outputs,
+        ),
+        task(
+            system,
+            "solve",
+            "Solves Jδ − G₀ᵀμ = −r and G₁δ = −c for the step δ and the change μ of the \
+             multipliers.",
+            solution,
+        ),
+    ]
 }
 
 #[cfg(test)]
@@ -362,8 +265,8 @@ mod tests {
         let lambda: Vec<f64> = (0..7).map(|i| number(i, 7)).collect();
         let found = with_new(|| {
             let there = [matrix_there, jacobian_there];
-            let elimination = Elimination::run(&block, &there).unwrap();
-            let mut tasks = elimination.tasks(0).to_vec();
+            let elimination = eliminated(&block, &there).unwrap();
+            let mut tasks = solvers(0, &block, &elimination).to_vec();
             tasks.push(sensitivities(0, &block, &there));
             tasks.extend(pulls(0, &block, &there[1]));
             let mut factors = Vec::new();

@@ -440,10 +440,18 @@ fn check(mechanism: Mechanism) {
         model.mass_matrix(&point.q, &mut matrix);
         same("mass", &in_blocks("mass_matrix", "matrix", matrix.len()), &matrix);
         model.momentum_matrix(&point.midpoint(), H, &mut matrix);
+        let asked = staged.tasks.iter().filter(|task| task.name == "momentum_matrix");
+        let asked: Vec<Module> = asked.map(|task| task.module).collect();
+        let shapes = staged.shapes.iter().enumerate();
+        let shapes = shapes.filter(|(number, _)| asked.contains(&Module::Part(*number)));
+        let asked: Vec<usize> = shapes
+            .flat_map(|(_, shape)| shape.places.iter().map(|place| place.matrix[0]))
+            .collect();
         for block in &layout.blocks {
             let count = block.coordinates.len();
-            if !block.rows.is_empty() || count > FEW {
-                // Nobody asks there.
+            let is_few = block.rows.is_empty() && count <= FEW;
+            assert!(!is_few || asked.contains(&block.matrix_offset), "asked of {block:?}");
+            if !asked.contains(&block.matrix_offset) {
                 matrix[block.matrix_offset..][..count * count].fill(0.0);
             }
         }

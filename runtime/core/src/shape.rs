@@ -9,11 +9,14 @@
 use crate::array::sized_mut;
 use crate::lane::Lane;
 use crate::model::Midpoint;
+use crate::newton::factors::{self, SMALL_PIVOT};
 
-/// The Newton matrix of a block of at most so many unknowns is made anew in every step on lanes, and leads to
-/// its end in one correction; where there are more its factors would cost more than further
-/// evaluations.
+/// Of a block of at most so many unknowns the Newton matrix is made anew and factored in every step on
+/// lanes; where there are more, factors without structure would cost more than further evaluations.
 pub const FEW: usize = 6;
+
+/// Pivots that have shrunk by more than this want pivoting.
+const MOST_SHRINKAGE: f64 = 1.0 / SMALL_PIVOT;
 
 /// Where the numbers of a part stand in the model's vectors.
 ///
@@ -59,6 +62,10 @@ pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, 
     const CONSTANTS: usize;
     /// Internal coordinates of a block by place ([`crate::internal`]).
     const INTERNAL: &'static [usize] = &[];
+    /// Whether the Newton matrix is made anew and factored in every step on lanes, and leads to its end in
+    /// one correction: where unknowns are few, or where the matrix has few entries, if the block has no
+    /// constraints.
+    const DIRECT: bool = N <= FEW;
 
     /// Momentum ∂L/∂q̇ and force ∂L/∂q + F.
     fn evaluate<L: Lane>(
@@ -77,11 +84,39 @@ pub trait Shape<const N: usize, const M: usize, const Q: usize, const S: usize, 
     );
     /// Mass matrix.
     fn mass_matrix<L: Lane>(q: &[L; Q], constants: &[f64], matrix: &mut [L; M]);
-    /// By how much the momentum changes with the increment, M/h + ½∂p/∂q; asked only of blocks without
-    /// constraints that have at most [`FEW`] unknowns; entries that are zero by structure are not written.
+    /// By how much the momentum changes with the increment, M/h + ½∂p/∂q; asked only where
+    /// [`Shape::DIRECT`] holds and the block has no constraints.
     fn momentum_matrix<L: Lane>(at: &Local<L, Q, S, U>, constants: &[f64], matrix: &mut [L; M]);
     /// Lengths of the strands (m).
     fn lengths<L: Lane>(q: &[L; Q], constants: &[f64], lengths: &mut [L; S]);
+
+    /// Factors of the Newton matrix for [`Shape::solve`], in an order of the shape's own; returns the lanes,
+    /// as bits, where no pivot was small.
+    #[inline(always)]
+    fn factor<L: Lane>(matrix: &[L; M], factors: &mut [L; M]) -> u8 {
+        factors::factor::<L, N, M>(matrix, factors)
+    }
+    /// The step that the matrix makes of a residual.
+    #[inline(always)]
+    fn solve<L: Lane>(factors: &[L; M], residual: &[L; N], step: &mut [L; N]) {
+        factors::solve::<L, N, M>(factors, residual, step);
+    }
+    /// Σ|Jᵢⱼ|·size(j) of each row of the Newton matrix.
+    #[inline(always)]
+    fn sensitivities<L: Lane>(matrix: &[L; M], size: &[L; N], sensitivity: &mut [L; N]) {
+        factors::row_sizes::<L, N, M>(matrix, size, sensitivity);
+    }
+    /// What a step makes of [`Shape::momentum_matrix`].
+    #[inline(always)]
+    fn momentum_change<L: Lane>(matrix: &[L; M], step: &[L; N], change: &mut [L; N]) {
+        factors::product::<L, N, M>(matrix, step, change);
+    }
+}
+
+/// Lanes, as bits, where no pivot has shrunk so far that pivoting would be wanted.
+#[inline(always)]
+pub fn is_sound<L: Lane>(shrinkage: L) -> u8 {
+    shrinkage.less(L::splat(MOST_SHRINKAGE))
 }
 
 impl<const Q: usize, const S: usize, const U: usize> Place<Q, S, U> {

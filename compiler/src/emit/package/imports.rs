@@ -53,11 +53,12 @@ pub(super) fn of_equations(names: &Names, tokens: &TokenStream) -> TokenStream {
     local.extend(names.sizes.iter().map(|(name, _)| *name));
     let local = from(quote!(crate::layout), &local, tokens);
     let functions = from(quote!(handc_core::lane::functions), &MATH, tokens);
+    let shape = from(quote!(handc_core::shape), &["Local", "Place", "Shape", "is_sound"], tokens);
     quote! {
         #local
         use handc_core::lane::Lane;
         #functions
-        use handc_core::shape::{Local, Place, Shape};
+        #shape
     }
 }
 

@@ -35,7 +35,8 @@ pub(super) fn functions(staged: &Staged, names: &Names) -> Vec<Placed> {
             };
             let emitted = match task.module {
                 Module::Part(number) => {
-                    function.emit(&ShapeNames { names, shape: &staged.shapes[number] })
+                    let (shape, is_rough) = (&staged.shapes[number], task.name == "factor");
+                    function.emit(&ShapeNames { names, shape, is_rough })
                 }
                 Module::System(number) => {
                     function.emit(&SystemNames { names, system: &staged.systems[number] })

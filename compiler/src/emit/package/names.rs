@@ -289,6 +289,8 @@ impl Naming for Names {
                     SystemArray::Size => format!("size_{}", named(&self.coordinates)),
                     SystemArray::Residual => format!("r_{}", named(&self.coordinates)),
                     SystemArray::Gaps => format!("gap_{}", named(&self.rows)),
+                    SystemArray::Momentum => format!("p_{i}"),
+                    SystemArray::Step => format!("step_{}", named(&self.coordinates)),
                 }
             }
             Leaf::Time => "t".to_owned(),

@@ -6,9 +6,10 @@ use super::names::Names;
 use crate::emit::function::{Naming, doc_line};
 use crate::emit::literal::integer;
 use crate::emit::print::identifier;
-use crate::graph::Leaf;
+use crate::graph::{Leaf, SystemArray};
 use crate::stage::{Module, PartPlace, Shape, shared};
 use handc_core::layout::Layout;
+use handc_core::shape::FEW;
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -16,6 +17,8 @@ use quote::quote;
 pub(super) struct ShapeNames<'a> {
     pub(super) names: &'a Names,
     pub(super) shape: &'a Shape,
+    /// Whether what is computed only steers.
+    pub(super) is_rough: bool,
 }
 
 impl ShapeNames<'_> {
@@ -40,6 +43,9 @@ impl Naming for ShapeNames<'_> {
             }
             Leaf::Input(i) => self.common(&names.inputs.originals, |p| p.inputs[i as usize]),
             Leaf::Constant(i) => format!("c_{i}"),
+            Leaf::System(SystemArray::Size, i) => format!("size_{}", coordinate(i)),
+            Leaf::System(SystemArray::Residual, i) => format!("r_{}", coordinate(i)),
+            Leaf::System(SystemArray::Step, i) => format!("step_{}", coordinate(i)),
             other => names.label(other),
         }
     }
@@ -57,7 +63,7 @@ impl Naming for ShapeNames<'_> {
             "rest" | "lengths" => place.strands.len(),
             "inputs" => place.inputs.len(),
             "constants" => return quote!([f64]),
-            "matrix" => unknowns * unknowns,
+            "matrix" | "momentum_matrix" | "factors" => unknowns * unknowns,
             _ => unknowns,
         });
         quote!([L; #size])
@@ -65,6 +71,10 @@ impl Naming for ShapeNames<'_> {
 
     fn over_lanes(&self) -> bool {
         true
+    }
+
+    fn is_rough(&self) -> bool {
+        self.is_rough
     }
 }
 
@@ -139,6 +149,12 @@ pub(super) fn table(
     let by_increment = method("momentum_matrix", quote!(#local, matrix: &mut [L; #m]), true);
     let lengths =
         method("lengths", quote!(q: &[L; #q], constants: &[f64], lengths: &mut [L; #s]), false);
+    let solvers = solvers(number, shape, functions);
+    let is_direct = (solvers.is_some() && shape.unknowns > FEW).then(|| {
+        quote!(
+            const DIRECT: bool = true;
+        )
+    });
     let places_doc = doc_line("Where the numbers of each block stand.");
     let equations_doc = doc_line("The equations as the integrator sees them.");
     let constants_doc = doc_line("Constants of each block.");
@@ -161,14 +177,45 @@ pub(super) fn table(
         impl Shape<#n, #m, #q, #s, #u> for Equations {
             const CONSTANTS: usize = #constants;
             #internal
+            #is_direct
 
             #evaluate
             #with_matrix
             #mass
             #by_increment
             #lengths
+            #solvers
         }
     }
+}
+
+/// The methods that factor and solve, where the shape brings its own.
+fn solvers(number: usize, shape: &Shape, functions: &[Placed]) -> Option<TokenStream> {
+    let of = |name: &str| {
+        let of = |p: &&Placed| p.module == Module::Part(number) && p.emitted.name == name;
+        functions.iter().find(of)
+    };
+    let factor = of("factor")?.emitted.call(&quote!(self::));
+    let [n, m, ..] = sizes(shape).map(integer);
+    let method = |name, arguments| method(number, functions, name, &arguments, false);
+    let solve = method("solve", quote!(factors: &[L; #m], residual: &[L; #n], step: &mut [L; #n]));
+    let sensitivities = method(
+        "sensitivities",
+        quote!(matrix: &[L; #m], size: &[L; #n], sensitivity: &mut [L; #n]),
+    );
+    let change = method(
+        "momentum_change",
+        quote!(momentum_matrix: &[L; #m], step: &[L; #n], change: &mut [L; #n]),
+    );
+    Some(quote! {
+        #[inline(always)]
+        fn factor<L: Lane>(matrix: &[L; #m], factors: &mut [L; #m]) -> u8 {
+            is_sound(#factor)
+        }
+        #solve
+        #sensitivities
+        #change
+    })
 }
 
 /// Places of internal coordinates, where there are any.

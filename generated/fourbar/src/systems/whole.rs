@@ -216,10 +216,10 @@ pub fn solve(
         factor_16,
         neg_mul_add(step_1, factor_11, mul_sub(r_crank, factor_6, gap_pin_z)),
     );
-    let step_4 = mul_add(step_3_2, factor_19, mul_add(step_2_2, factor_15, r_rocker))
+    let step_4_2 = mul_add(step_3_2, factor_19, mul_add(step_2_2, factor_15, r_rocker))
         * factor_20;
-    let step_5 = mul_add(step_4, factor_18, step_3_2) * factor_17;
-    let step_6 = neg_mul_add(step_5, factor_14, mul_add(step_4, factor_13, step_2_2))
+    let step_5 = mul_add(step_4_2, factor_18, step_3_2) * factor_17;
+    let step_6 = neg_mul_add(step_5, factor_14, mul_add(step_4_2, factor_13, step_2_2))
         * factor_12;
     let step_7 = neg_mul_add(step_5, factor_9, neg_mul_add(step_6, factor_8, step_1))
         * factor_7;
@@ -230,7 +230,7 @@ pub fn solve(
     );
     step[coordinate::CRANK] = -(step_8 * factor_0);
     step[coordinate::COUPLER] = step_7;
-    step[coordinate::ROCKER] = -step_4;
+    step[coordinate::ROCKER] = -step_4_2;
     change[row::PIN_X] = step_6;
     change[row::PIN_Z] = step_5;
 }

@@ -4369,7 +4369,7 @@ pub fn solve(
             mul_sub(r_ring_ab, factor_160, gap_ring_pin_y),
         ),
     );
-    let step_27 = neg_mul_add(
+    let step_27_2 = neg_mul_add(
         step_25_2,
         factor_197,
         neg_mul_add(step_23_2, factor_186, step_26_2),
@@ -4379,11 +4379,15 @@ pub fn solve(
         factor_187,
         mul_add(step_22_2, factor_180, mul_add(step_21_2, factor_171, gap_ring_pin_z)),
     );
-    let step_29 = mul_add(step_27, factor_211, mul_add(step_25_2, factor_198, step_28));
+    let step_29 = mul_add(
+        step_27_2,
+        factor_211,
+        mul_add(step_25_2, factor_198, step_28),
+    );
     let step_30 = mul_add(
         step_29,
         factor_219,
-        neg_mul_add(step_27, factor_206, neg_mul_add(step_25_2, factor_194, step_20_2)),
+        neg_mul_add(step_27_2, factor_206, neg_mul_add(step_25_2, factor_194, step_20_2)),
     );
     let step_31 = mul_sub(r_little_ab, factor_231, r_little_mcp);
     let step_32 = neg_mul_add(
@@ -4498,7 +4502,7 @@ pub fn solve(
     let step_53 = mul_add(
         step_29,
         factor_223,
-        neg_mul_add(step_27, factor_209, neg_mul_add(step_25_2, factor_195, step_52)),
+        neg_mul_add(step_27_2, factor_209, neg_mul_add(step_25_2, factor_195, step_52)),
     );
     let step_54 = mul_add(
         step_39,
@@ -4518,7 +4522,7 @@ pub fn solve(
     let step_57 = mul_add(
         step_29,
         factor_220,
-        neg_mul_add(step_27, factor_207, mul_add(step_19_2, factor_145, step_56)),
+        neg_mul_add(step_27_2, factor_207, mul_add(step_19_2, factor_145, step_56)),
     );
     let step_58 = neg_mul_add(
         step_47,
@@ -4554,7 +4558,7 @@ pub fn solve(
     let step_65 = mul_add(
         step_29,
         factor_222,
-        neg_mul_add(step_27, factor_208, mul_add(step_19_2, factor_147, step_64)),
+        neg_mul_add(step_27_2, factor_208, mul_add(step_19_2, factor_147, step_64)),
     );
     let step_66 = neg_mul_add(
         step_47,
@@ -4581,7 +4585,7 @@ pub fn solve(
     let step_72 = mul_add(
         step_29,
         factor_224,
-        neg_mul_add(step_27, factor_210, neg_mul_add(step_25_2, factor_196, step_71)),
+        neg_mul_add(step_27_2, factor_210, neg_mul_add(step_25_2, factor_196, step_71)),
     );
     let step_73 = mul_add(
         step_39,
@@ -4769,7 +4773,7 @@ pub fn solve(
     let step_120 = neg_mul_add(
         step_78,
         factor_202,
-        neg_mul_add(step_82, factor_201, neg_mul_add(step_84, factor_200, step_27)),
+        neg_mul_add(step_82, factor_201, neg_mul_add(step_84, factor_200, step_27_2)),
     );
     let step_121 = mul_add(
         step_119,

@@ -619,22 +619,22 @@ pub fn solve(
         factor_47,
         neg_mul_add(step_4_2, factor_40, mul_sub(r_epsilon, factor_35, gap_loop6_y)),
     );
-    let step_8 = mul_add(step_7_2, factor_51, step_6_2);
+    let step_8_2 = mul_add(step_7_2, factor_51, step_6_2);
     let step_9 = mul_add(
         step_5_2,
         factor_46,
         mul_add(step_3_2, factor_28, mul_add(step_2_2, factor_22, r_theta)),
     );
-    let step_10 = mul_sub(step_8, factor_57, mul_add(step_7_2, factor_52, step_9));
+    let step_10 = mul_sub(step_8_2, factor_57, mul_add(step_7_2, factor_52, step_9));
     let step_11 = neg_mul_add(
         step_10,
         factor_63,
-        mul_add(step_8, factor_58, mul_sub(r_gamma, factor_3, gap_loop3_x)),
+        mul_add(step_8_2, factor_58, mul_sub(r_gamma, factor_3, gap_loop3_x)),
     );
     let step_12 = neg_mul_add(
         step_10,
         factor_64,
-        mul_add(step_8, factor_59, mul_sub(r_gamma, factor_4, gap_loop3_y)),
+        mul_add(step_8_2, factor_59, mul_sub(r_gamma, factor_4, gap_loop3_y)),
     );
     let step_13 = neg_mul_add(step_11, factor_67, step_12) * factor_68;
     let step_14 = neg_mul_add(step_13, factor_66, step_11) * factor_65;
@@ -646,7 +646,7 @@ pub fn solve(
     let step_16 = mul_add(
         step_13,
         factor_56,
-        mul_add(step_14, factor_55, mul_add(step_15, factor_54, step_8)),
+        mul_add(step_14, factor_55, mul_add(step_15, factor_54, step_8_2)),
     );
     let step_17 = step_16 * factor_53;
     step[coordinate::BETA] = -step_17;

@@ -316,6 +316,11 @@ pub mod functions {
     pub fn exp<L: Lane>(x: L) -> L {
         x.exp()
     }
+    /// 1/x, to 26 bits at least: see [`Lane::rough_recip`].
+    #[inline(always)]
+    pub fn rough_recip<L: Lane>(x: L) -> L {
+        x.rough_recip()
+    }
     /// Absolute value.
     #[inline(always)]
     pub fn abs<L: Lane>(x: L) -> L {

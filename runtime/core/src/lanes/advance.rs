@@ -1,6 +1,7 @@
 //! The end of a step on lanes: states move on by the increments and forces that were found.
 
 use super::vector::Vector;
+use crate::lane::functions::if_less;
 use crate::lane::{Lane, Work, call};
 use crate::predict::{DEGREES, FADING, shift};
 
@@ -10,6 +11,10 @@ pub(super) fn advance(vectors: &mut [Vector], known: usize, failed: u8) {
         Advance { vectors, known, failed }.run::<f64>();
     }
 }
+
+/// Increments and momenta below this are nothing (rad or m, and their momenta). What dies away would
+/// otherwise end among numbers so small that processors take a hundred times as long for them.
+const NOTHING: f64 = 1e-50;
 
 struct Advance<'a> {
     vectors: &'a mut [Vector],
@@ -31,6 +36,12 @@ impl Work for Advance<'_> {
             }
         }
     }
+}
+
+/// The number, or zero where it is nothing.
+#[inline(always)]
+pub(super) fn audible<L: Lane>(x: L) -> L {
+    if_less(x.abs(), L::splat(NOTHING), L::splat(0.0), x)
 }
 
 /// q1 = q0 + Δq and p1 = p0 + h·f; a coordinate in static equilibrium or internal is left at the
@@ -56,14 +67,14 @@ pub(super) fn advance_lanes<L: Lane>(
     let mut missed = [L::splat(0.0); DEGREES];
     for i in 0..unknowns {
         let k = i * width + lane;
-        let (increment, force) = (L::load(&delta[k..]), L::load(&force[k..]));
+        let (increment, force) = (audible(L::load(&delta[k..])), L::load(&force[k..]));
         let share = L::load(&share[k..]);
         share.mul_add(increment, L::load(&q[k..])).store(&mut q[k..]);
         let rate = L::load(&rate[k..]) * per_h;
         rate.mul_add(increment, L::load(&past[k..])).store(&mut v[k..]);
         let is_moving = share + share - L::splat(1.0);
         let next_p = h.mul_add(force, L::load(&p[k..]));
-        (is_moving * next_p).store(&mut p[k..]);
+        audible(is_moving * next_p).store(&mut p[k..]);
         let next = shift(increment, &mut differences[k..], count);
         if learns {
             let per_size = L::load(&per_size[k..]);
@@ -83,5 +94,17 @@ pub(super) fn advance_lanes<L: Lane>(
     }
     for k in (count + lane..vector.q.len()).step_by(width) {
         L::load(&vector.ends[k - count..]).store(&mut vector.q[k..]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_nothing_is_zero() {
+        assert_eq!([1e-51, -1e-51, f64::MIN_POSITIVE / 2.0].map(audible), [0.0; 3]);
+        assert_eq!([1e-49, -1e-49, f64::INFINITY].map(audible), [1e-49, -1e-49, f64::INFINITY]);
+        assert!(audible(f64::NAN).is_nan());
     }
 }

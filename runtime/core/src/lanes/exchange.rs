@@ -167,9 +167,10 @@ impl Vector {
         let rest = fed_rest.iter().map(|fed| (fed, told[fed.run].rest));
         for (place, (fed, list)) in inputs.chain(ends).chain(rest).enumerate() {
             let stride = list.len() / told[fed.run].steps;
-            let numbers = list.iter().skip(fed.index).step_by(stride);
-            for (row, &number) in rows.chunks_exact_mut(width).zip(numbers) {
-                row[place] = number;
+            let mut next = fed.index;
+            for row in rows.chunks_exact_mut(width) {
+                row[place] = list[next];
+                next += stride;
             }
         }
     }

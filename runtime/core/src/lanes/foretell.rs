@@ -43,30 +43,34 @@ pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usiz
     if known <= THIRD + 1 {
         return guess(best, &vector.differences);
     }
-    let differences = |k: usize| load::<L, N>(&vector.differences[k * N * L::WIDTH..]);
-    let (lead, mut foretold) = (differences(THIRD), differences(0));
+    let better = match vector.has_learned {
+        true => L::load(&vector.missed_echo).less(least),
+        false => 0,
+    };
+    vector.is_foretold = vector.learns(known + 1);
+    if better == 0 && !vector.is_foretold {
+        return guess(best, &vector.differences);
+    }
+    let count = N * L::WIDTH;
+    let lead = load::<L, N>(&vector.differences[THIRD * count..]);
+    let mut foretold = load::<L, N>(&vector.differences);
     for k in 1..=THIRD + 1 {
-        let difference = differences(k);
+        let differences = &vector.differences[k * count..][..count];
         for i in 0..N {
-            foretold[i] = foretold[i] + difference[i];
+            foretold[i] = foretold[i] + L::load(&differences[i * L::WIDTH..]);
         }
     }
-    let echo = &vector.echo[..N * N * L::WIDTH];
+    let echo = &vector.echo[..N * count];
     for i in 0..N {
         for j in 0..N {
             let entry = L::load(&echo[(i * N + j) * L::WIDTH..]);
             foretold[i] = entry.neg_mul_add(lead[j], foretold[i]);
         }
     }
-    vector.is_foretold = vector.learns(known + 1);
     if vector.is_foretold {
         store(&foretold, &mut vector.foretold);
         store(&lead, &mut vector.lead);
     }
-    let better = match vector.has_learned {
-        true => L::load(&vector.missed_echo).less(least),
-        false => 0,
-    };
     if better == L::ALL {
         return foretold;
     }

@@ -2,7 +2,7 @@
 //!
 //! The states stay as they are until every vector has been solved; see [`super::advance`].
 
-use super::advance::advance_lanes;
+use super::advance::{advance_lanes, audible};
 use super::course::Courses;
 use super::foretell::foretell;
 use super::measure::{measure, middle};
@@ -11,7 +11,7 @@ use super::{LaneVisitor, RUNS};
 use crate::internal;
 use crate::lane::{Lane, WIDEST, Work, call, load, store};
 use crate::newton::{Balances, Kept, LOOK, Memory, Start, direct, newton};
-use crate::shape::{FEW, Place, Shape};
+use crate::shape::{Place, Shape};
 use std::marker::PhantomData;
 
 /// Steps of all vectors, shape by shape.
@@ -182,7 +182,9 @@ fn step<
         }
         known => foretell::<L, N>(vector, known),
     };
-    delta[..N].copy_from_slice(&guessed);
+    for i in 0..N {
+        delta[i] = audible(guessed[i]);
+    }
     for i in N..Q {
         delta[i] = L::load(&vector.ends[(i - N) * L::WIDTH..]) - q[i];
     }
@@ -204,7 +206,7 @@ fn step<
         .has_balances
         .then(|| Balances { is: load(&vector.balances), stiffest: load(&vector.stiffest) });
     let mut looks = known.is_multiple_of(LOOK);
-    let end = match const { N <= FEW } {
+    let end = match const { Sh::DIRECT } {
         true => {
             if !std::mem::replace(&mut vector.is_tried, true) {
                 vector.trusted = [0.0; WIDEST];

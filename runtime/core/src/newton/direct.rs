@@ -1,14 +1,13 @@
-//! Newton's method of one step on lanes where the matrix is small: made anew and factored in every
-//! step, it leads to the end in one correction.
+//! Newton's method of one step on lanes where the matrix is small or has few entries: made anew and
+//! factored in every step, it leads to the end in one correction.
 //!
-//! The matrix of few coordinates costs hardly more than the residual, and its factors less than what a
-//! matrix of an earlier step would cost in further evaluations. A correction c with the matrix of where
+//! Such a matrix costs hardly more than the residual, and its factors less than what a matrix of an
+//! earlier step would cost in further evaluations. A correction c with the matrix of where
 //! it begins leaves a residual of the order of c², so that from a good guess nothing is left; and by
 //! how much it changes the momentum is known from the momentum's own derivative. What has been known to
 //! lead below tolerance is remembered ([`Memory::trusted`]): a correction no longer than that ends the step without
 //! another evaluation. Now and then it is looked at all the same.
 
-use super::factors::{factor, solve};
 use super::masked::{correct, hold};
 use super::scale::{Balances, merit, per_scales, sensitivities};
 use super::{End, Residual, Start, put_at};
@@ -73,13 +72,15 @@ pub(crate) fn direct<
         if renews {
             end.matrices += 1;
             let (momentum, force) = (&mut at.momentum, &mut at.force);
-            (factors, momentum_matrix) = ([zero; M], [zero; M]);
-            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut factors);
+            let mut matrix = [zero; M];
+            momentum_matrix = [zero; M];
+            Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut matrix);
             Sh::momentum_matrix(&local, constants, &mut momentum_matrix);
             if looks {
-                store(&sensitivities(start, &factors, balances), memory.sensitivity);
+                let sums = sensitivities::<L, Sh, N, M, Q, S, U>(start, &matrix, balances);
+                store(&sums, memory.sensitivity);
             }
-            good = factor::<L, N, M>(&mut factors);
+            good = Sh::factor(&matrix, &mut factors);
             since = zero;
         } else {
             Sh::evaluate(&local, constants, &mut at.momentum, &mut at.force);
@@ -87,12 +88,14 @@ pub(crate) fn direct<
         at.balance(start, half_h);
         if pass == 0 && !looks {
             // What is trusted in all lanes needs no tolerances.
-            let next = solve::<L, N, M>(&factors, &at.r);
+            let mut next = [zero; N];
+            Sh::solve(&factors, &at.r, &mut next);
             let ends = span(&next, start).less_equal(trusted) & good;
             if ends == L::ALL {
                 end.iterations = 1;
                 correct(L::ALL, &mut end.delta, &next);
-                end.force = at.force_after(&next, &momentum_matrix, start);
+                end.force =
+                    force_after::<L, Sh, N, M, Q, S, U>(&at, &next, &momentum_matrix, start);
                 (end.failed, end.is_calm) = (0, true);
                 return end;
             }
@@ -140,13 +143,14 @@ pub(crate) fn direct<
                 continue;
             }
         }
-        let next = solve::<L, N, M>(&factors, &at.r);
+        let mut next = [zero; N];
+        Sh::solve(&factors, &at.r, &mut next);
         length = span(&next, start);
         if length.less_equal(L::splat(FARTHEST)) | done != L::ALL {
             // That way may lead to another solution.
             break;
         }
-        foretold = at.force_after(&next, &momentum_matrix, start);
+        foretold = force_after::<L, Sh, N, M, Q, S, U>(&at, &next, &momentum_matrix, start);
         end.iterations += 1;
         correct(!done & L::ALL, &mut end.delta, &next);
         // What is left is of the order of the product of this correction and all since the matrix.
@@ -169,25 +173,31 @@ pub(crate) fn direct<
     end
 }
 
-impl<L: Lane, const N: usize> Residual<L, N> {
-    /// The force of which a correction leaves no residual: the momentum then is what the step's first
-    /// momentum and half its impulse make.
-    #[inline(always)]
-    fn force_after<const M: usize, const Q: usize, const S: usize, const U: usize>(
-        &self,
-        correction: &[L; N],
-        momentum_matrix: &[L; M],
-        start: &Start<L, N, Q, S, U>,
-    ) -> [L; N] {
-        let mut force = self.momentum;
-        for i in 0..N {
-            for j in 0..N {
-                force[i] = momentum_matrix[i * N + j].neg_mul_add(correction[j], force[i]);
-            }
-            force[i] = (force[i] - start.p[i]) * (start.per_h + start.per_h);
-        }
-        force
+/// The force of which a correction leaves no residual: the momentum then is what the step's first
+/// momentum and half its impulse make.
+#[inline(always)]
+fn force_after<
+    L: Lane,
+    Sh: Shape<N, M, Q, S, U>,
+    const N: usize,
+    const M: usize,
+    const Q: usize,
+    const S: usize,
+    const U: usize,
+>(
+    at: &Residual<L, N>,
+    correction: &[L; N],
+    momentum_matrix: &[L; M],
+    start: &Start<L, N, Q, S, U>,
+) -> [L; N] {
+    let mut change = [L::splat(0.0); N];
+    Sh::momentum_change(momentum_matrix, correction, &mut change);
+    let mut force = at.momentum;
+    for i in 0..N {
+        let half_impulse = force[i] - change[i] - start.p[i];
+        force[i] = half_impulse * (start.per_h + start.per_h);
     }
+    force
 }
 
 /// Length of a correction, in units of the coordinates' sizes: a sum, which is not a number where any of

@@ -95,7 +95,8 @@ pub(crate) fn newton<
             let mut matrix = [zero; M];
             let (momentum, force) = (&mut at.momentum, &mut at.force);
             Sh::evaluate_with_matrix(&local, constants, momentum, force, &mut matrix);
-            store(&sensitivities(start, &matrix, balances), kept.sensitivity);
+            let sums = sensitivities::<L, Sh, N, M, Q, S, U>(start, &matrix, balances);
+            store(&sums, kept.sensitivity);
             good = invert::<L, N, M>(&mut matrix);
             store(&matrix, kept.inverse);
             let mut mass = [zero; M];

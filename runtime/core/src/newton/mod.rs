@@ -5,11 +5,11 @@
 //! has converged, a lane that is done is held still, and if any lane needs a shorter step, another
 //! guess or pivoting, the step is given back to be taken there.
 //!
-//! Where unknowns are few the matrix is made and factored in every step ([`direct`]); where there are more
-//! its inverse is kept from step to step ([`kept`]).
+//! Where unknowns are few, or the matrix has few entries, it is made and factored in every step
+//! ([`direct`]); else its inverse is kept from step to step ([`kept`]).
 
 mod direct;
-mod factors;
+pub(crate) mod factors;
 mod inverse;
 mod kept;
 mod masked;

@@ -2,6 +2,7 @@
 
 use super::{Residual, Start};
 use crate::lane::Lane;
+use crate::shape::Shape;
 use crate::step::{BALANCE, FLOOR};
 
 /// Scales below this are none; its reciprocal is finite in all arithmetic.
@@ -22,6 +23,7 @@ pub(crate) struct Balances<L, const N: usize> {
 #[inline(always)]
 pub(super) fn sensitivities<
     L: Lane,
+    Sh: Shape<N, M, Q, S, U>,
     const N: usize,
     const M: usize,
     const Q: usize,
@@ -37,11 +39,7 @@ pub(super) fn sensitivities<
         size[i] = size[i].max(start.q[i].abs());
     }
     let mut sums = [L::splat(0.0); N];
-    for i in 0..N {
-        for j in 0..N {
-            sums[i] = matrix[i * N + j].abs().mul_add(size[j], sums[i]);
-        }
-    }
+    Sh::sensitivities(matrix, &size, &mut sums);
     if let Some(balances) = balances {
         for i in 0..N {
             sums[i] = sums[i].max(balances.stiffest[i]);
