@@ -102,7 +102,7 @@ fn report(options: &Options) -> Result<(), String> {
     }
     if options.wants("tendons") {
         println!("\n## Elements of tendons");
-        print!("{}", tendons::report(&own, options.rounds)?);
+        print!("{}", tendons::report(&own, &mut rival, options.rounds)?);
     }
     if options.wants("growth") {
         println!("\n## Growth");

@@ -160,8 +160,11 @@ const ORDER: [&str; 20] = [
 impl Function {
     /// Emits the function.
     pub fn emit(&self, naming: &dyn Naming) -> Emitted {
-        // Parts hold the terms of the mechanics.
-        let order = if naming.over_lanes() { Order::TermByTerm } else { Order::OutputByOutput };
+        // Parts hold the terms of the mechanics; what is returned comes last.
+        let order = match naming.over_lanes() && !self.returns() {
+            true => Order::TermByTerm,
+            false => Order::OutputByOutput,
+        };
         let plan = Plan::new(&self.outputs, order);
         let code = schedule(&self.outputs, &plan);
         let statements = &code.statements;

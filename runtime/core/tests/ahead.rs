@@ -10,6 +10,7 @@ use pendulums::{Kind, end, last, run};
 const ALIKE: Kind = Kind {
     varies: false,
     are_alike: true,
+    is_muscular: false,
     knots: &[(0, 0.0023), (1, 0.1511), (2, 0.3187), (2, 0.3304), (0, 0.4506)],
 };
 

@@ -11,7 +11,7 @@ const LARGEST_ANGLE: f64 = 1e6;
 
 /// Pendulums that differ; their motion begins and ends amid a stretch.
 fn kind(varies: bool) -> Kind {
-    Kind { varies, are_alike: false, knots: &[(0, 0.0023), (1, 0.3307)] }
+    Kind { varies, are_alike: false, is_muscular: false, knots: &[(0, 0.0023), (1, 0.3307)] }
 }
 
 /// What no two ways of rounding do to these pendulums in so many steps.

@@ -35,18 +35,24 @@ impl Vector {
 /// The increments of the step at hand, with `known` increments (at least 2) behind it.
 #[inline(always)]
 pub(super) fn foretell<L: Lane, const N: usize>(vector: &mut Vector, known: usize) -> [L; N] {
-    if vector.is_foretold && vector.learns(known) {
+    let learns = vector.learns(known);
+    if vector.is_foretold && learns {
         learn::<L, N>(vector);
         vector.has_learned = true;
     }
-    let (best, least) = best_degrees::<L>(known, &vector.missed);
+    // What misses tell stays until there are others.
+    if learns || vector.choice.is_none() {
+        let (best, least) = best_degrees::<L>(known, &vector.missed);
+        let better = match vector.has_learned {
+            true => L::load(&vector.missed_echo).less(least),
+            false => 0,
+        };
+        vector.choice = Some((best, better));
+    }
+    let (best, better) = vector.choice.unwrap_or_default();
     if known <= THIRD + 1 {
         return guess(best, &vector.differences);
     }
-    let better = match vector.has_learned {
-        true => L::load(&vector.missed_echo).less(least),
-        false => 0,
-    };
     vector.is_foretold = vector.learns(known + 1);
     if better == 0 && !vector.is_foretold {
         return guess(best, &vector.differences);

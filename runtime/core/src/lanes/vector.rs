@@ -76,6 +76,8 @@ pub(crate) struct Vector {
     /// Whether anything has been learned, and whether the last step was as foretold.
     pub(super) has_learned: bool,
     pub(super) is_calm: bool,
+    /// In which lanes, as bits, the guess of each degree is best, and that which knows vibrations.
+    pub(super) choice: Option<([u8; DEGREES], u8)>,
 
     /// The inverse of the Newton matrix that is kept from step to step and the mass matrix, by rows;
     /// what rounding of the coordinates does to each equation; and when they are made anew.
@@ -168,6 +170,7 @@ impl Vector {
             is_foretold: false,
             has_learned: false,
             is_calm: false,
+            choice: None,
             inverse: room(counts.unknowns * counts.unknowns),
             mass: room(counts.unknowns * counts.unknowns),
             sensitivity: room(counts.unknowns),
@@ -219,6 +222,7 @@ impl Vector {
     /// Forgets what speeds steps up, and where motions were.
     pub(super) fn forget(&mut self) {
         (self.is_foretold, self.has_learned, self.is_calm) = (false, false, false);
+        self.choice = None;
         self.echo.fill(0.0);
         self.missed_echo.fill(0.0);
         self.renewal.forget();

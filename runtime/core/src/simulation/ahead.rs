@@ -42,6 +42,10 @@ impl<M: Model> Simulation<M> {
     /// Looks ahead to up to `count` steps; lanes measure what follows motions themselves. Returns how
     /// many steps may be taken in one go: none where the next one cannot be taken.
     pub(crate) fn look_ahead(&mut self, count: usize) -> usize {
+        self.ahead.steps = 0;
+        if count == 0 {
+            return 0;
+        }
         let Simulation { model, feed, excitations, ahead, state, h, .. } = self;
         // What never changes is told once for all steps.
         let rows = if feed.varies { count } else { 1 };
@@ -52,7 +56,6 @@ impl<M: Model> Simulation<M> {
         repeat(ends, &self.driven_q, rows, feed.has_paths);
         let [of_inputs, of_rest, of_ends] = [&*inputs, &*rest, &*ends].map(|l| l.len() / rows);
         let mut begin = state.t;
-        *steps = 0;
         for k in 0..rows {
             let end = (state.step + k + 1) as f64 * *h;
             let t = 0.5 * (begin + end);

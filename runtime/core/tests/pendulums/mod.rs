@@ -5,7 +5,7 @@ use handc_core::lane::Lane;
 use handc_core::lane::functions::{mul_add, sin_cos};
 use handc_core::lanes::{LaneVisitor, next_revision};
 use handc_core::layout::{
-    Block, Coordinate, CoordinateKind, Follow, Layout, ScenarioLayout, Strand,
+    Block, Coordinate, CoordinateKind, Follow, Layout, Muscle, Quantity, ScenarioLayout, Strand,
 };
 use handc_core::model::{Instant, Midpoint, Model, ScenarioValues};
 use handc_core::shape::{Local, Place, Shape};
@@ -15,6 +15,8 @@ use std::sync::Arc;
 /// How many.
 pub(crate) const PENDULUMS: usize = 6;
 const STEP: f64 = 1e-3;
+/// Excitation at the start, and how fast it grows (1/s).
+pub(crate) const EXCITATION: [f64; 2] = [0.2, 3.0];
 
 /// Of one pendulum: inertia (kg m²), weight times arm (N m), stiffness (N/m).
 type Constants = [f64; 3];
@@ -79,6 +81,8 @@ pub(crate) struct Kind {
     pub(crate) varies: bool,
     /// Whether all have the same inertia and follow; else each has its own, and the first follows not.
     pub(crate) are_alike: bool,
+    /// Whether the first strand is said to be a muscle, whose excitation grows by [`EXCITATION`].
+    pub(crate) is_muscular: bool,
     /// Knots of the motion: pose, time (s).
     pub(crate) knots: &'static [(usize, f64)],
 }
@@ -95,7 +99,9 @@ pub(crate) struct Pendulums {
 
 impl Pendulums {
     pub(crate) fn new(kind: Kind) -> Self {
-        let Kind { varies, are_alike, .. } = kind;
+        let Kind { varies, are_alike, is_muscular, .. } = kind;
+        let muscle = Muscle { fibre: 0, activation: 0, excitation: 0, has_start: true };
+        let excitation = Quantity { name: "excitation".to_string(), unit: String::new() };
         let coordinate = |i| Coordinate {
             name: format!("q{i}"),
             kind: CoordinateKind::Angle,
@@ -109,7 +115,7 @@ impl Pendulums {
             rest_varies: varies && i == 0,
             is_prescribed: false,
             actuator: None,
-            muscle: None,
+            muscle: (is_muscular && i == 0).then(|| muscle.clone()),
         };
         let block = |i| Block {
             coordinates: vec![i],
@@ -127,6 +133,7 @@ impl Pendulums {
         };
         let layout = Layout {
             name: "pendulums".to_string(),
+            inputs: if is_muscular { vec![excitation] } else { Vec::new() },
             coordinates: (0..PENDULUMS).map(coordinate).collect(),
             strands: (0..PENDULUMS).map(strand).collect(),
             blocks: (0..PENDULUMS).map(block).collect(),
@@ -186,7 +193,9 @@ impl Model for Pendulums {
             place.lengths::<Pendulum, 1, 1>(q, constants, lengths);
         }
     }
-    fn inputs(&mut self, _t: f64, _inputs: &mut [f64]) {}
+    fn inputs(&mut self, t: f64, inputs: &mut [f64]) {
+        inputs.fill(EXCITATION[0] + EXCITATION[1] * t);
+    }
     fn rests(&mut self, t: f64, _inputs: &[f64], rest: &mut [f64]) {
         if self.kind.varies {
             rest[0] = 0.5 + 0.03 * (9.0 * t).sin();
