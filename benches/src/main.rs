@@ -10,6 +10,7 @@ mod own;
 mod rival;
 mod speed;
 mod table;
+mod tendon_models;
 mod tendons;
 
 use own::{Crate, Own};
@@ -103,6 +104,7 @@ fn report(options: &Options) -> Result<(), String> {
     if options.wants("tendons") {
         println!("\n## Elements of tendons");
         print!("{}", tendons::report(&own, &mut rival, options.rounds)?);
+        print!("{}", tendon_models::report(&own, options.rounds)?);
     }
     if options.wants("growth") {
         println!("\n## Growth");

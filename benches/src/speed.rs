@@ -152,7 +152,7 @@ pub(crate) fn rows(
 }
 
 /// The number before `with the Newton matrix` in what `handc compile` says.
-fn operations(report: &str) -> Result<f64, String> {
+pub(crate) fn operations(report: &str) -> Result<f64, String> {
     let before = report.split(" with the Newton matrix").next().unwrap_or_default();
     let word = before.rsplit(|c: char| !c.is_ascii_digit()).find(|word| !word.is_empty());
     word.and_then(|word| word.parse().ok()).ok_or_else(|| "not told".to_string())

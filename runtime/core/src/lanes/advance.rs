@@ -4,6 +4,7 @@ use super::vector::Vector;
 use crate::lane::functions::if_less;
 use crate::lane::{Lane, Work, call};
 use crate::predict::{DEGREES, FADING, shift};
+use crate::step::NOTHING;
 
 /// Moves all vectors on in the runs whose bits are not set.
 pub(super) fn advance(vectors: &mut [Vector], known: usize, failed: u8) {
@@ -11,10 +12,6 @@ pub(super) fn advance(vectors: &mut [Vector], known: usize, failed: u8) {
         Advance { vectors, known, failed }.run::<f64>();
     }
 }
-
-/// Increments and momenta below this are nothing (rad or m, and their momenta). What dies away would
-/// otherwise end among numbers so small that processors take a hundred times as long for them.
-const NOTHING: f64 = 1e-50;
 
 struct Advance<'a> {
     vectors: &'a mut [Vector],

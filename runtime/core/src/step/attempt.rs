@@ -1,6 +1,8 @@
 //! Newton's method from one guess, for all blocks at once, with constraints and a line search.
 
-use super::{Attempt, LINEAR_END, MAX_ITERATIONS, STAGNATION, State, Stepper, Surroundings};
+use super::{
+    Attempt, LINEAR_END, MAX_ITERATIONS, NOTHING, STAGNATION, State, Stepper, Surroundings,
+};
 use crate::model::Model;
 
 impl Stepper {
@@ -89,6 +91,9 @@ impl Stepper {
 
     pub(super) fn accept(&mut self, state: &mut State, around: &Surroundings) {
         for i in 0..self.delta.len() {
+            if self.delta[i].abs() < NOTHING {
+                (self.delta[i], self.q1[i]) = (0.0, state.q[i]);
+            }
             state.q[i] = self.q1[i];
             state.v[i] = self.v_mid[i];
             // What is left of the residual goes into the momentum: p1 = p0 + h·f − Dh(q0)ᵀλ, so that
@@ -96,7 +101,8 @@ impl Stepper {
             state.p[i] = if self.driven[i] {
                 0.0
             } else {
-                self.momentum[i] + 0.5 * around.h * self.force[i] + self.residual[i]
+                let p = self.momentum[i] + 0.5 * around.h * self.force[i] + self.residual[i];
+                if p.abs() < NOTHING { 0.0 } else { p }
             };
         }
         // A driven coordinate ends exactly where it was told to.
