@@ -37,7 +37,7 @@ impl Work for Advance<'_> {
 
 /// The number, or zero where it is nothing.
 #[inline(always)]
-pub(super) fn audible<L: Lane>(x: L) -> L {
+fn audible<L: Lane>(x: L) -> L {
     if_less(x.abs(), L::splat(NOTHING), L::splat(0.0), x)
 }
 
@@ -64,9 +64,9 @@ pub(super) fn advance_lanes<L: Lane>(
     let mut missed = [L::splat(0.0); DEGREES];
     for i in 0..unknowns {
         let k = i * width + lane;
-        let (increment, force) = (audible(L::load(&delta[k..])), L::load(&force[k..]));
+        let (increment, force) = (L::load(&delta[k..]), L::load(&force[k..]));
         let share = L::load(&share[k..]);
-        share.mul_add(increment, L::load(&q[k..])).store(&mut q[k..]);
+        audible(share.mul_add(increment, L::load(&q[k..]))).store(&mut q[k..]);
         let rate = L::load(&rate[k..]) * per_h;
         rate.mul_add(increment, L::load(&past[k..])).store(&mut v[k..]);
         let is_moving = share + share - L::splat(1.0);

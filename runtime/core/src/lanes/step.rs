@@ -2,7 +2,7 @@
 //!
 //! The states stay as they are until every vector has been solved; see [`super::advance`].
 
-use super::advance::{advance_lanes, audible};
+use super::advance::advance_lanes;
 use super::course::Courses;
 use super::foretell::foretell;
 use super::measure::{measure, middle};
@@ -182,9 +182,7 @@ fn step<
         }
         known => foretell::<L, N>(vector, known),
     };
-    for i in 0..N {
-        delta[i] = audible(guessed[i]);
-    }
+    delta[..N].copy_from_slice(&guessed);
     for i in N..Q {
         delta[i] = L::load(&vector.ends[(i - N) * L::WIDTH..]) - q[i];
     }

@@ -48,7 +48,7 @@ pub(crate) const KEEP_FACTORS: f64 = 1e-2;
 pub(crate) const LINEAR_END: f64 = 0.25;
 /// Newton iterations per guess.
 const MAX_ITERATIONS: usize = 40;
-/// Increments and momenta below this are nothing (rad or m, and their momenta). What dies away would
+/// Coordinates, increments and momenta below this are nothing (rad or m, and their momenta). What dies away would
 /// otherwise end among numbers so small that processors take a hundred times as long for them.
 pub(crate) const NOTHING: f64 = 1e-50;
 
