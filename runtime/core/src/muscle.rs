@@ -42,12 +42,18 @@ impl Excitations {
         Excitations(layout.muscles().map(of).collect())
     }
 
-    /// Whether all are between 0 and 1; looked at in every step, where [`out_of_range`] says what is
-    /// not.
+    /// How many steps can be told so until one of them is not between 0 and 1; lists of as many rows as
+    /// there are `steps`. [`out_of_range`] says what is not.
     #[inline]
-    pub(crate) fn are_in_range(&self, inputs: &[f64], q: &[f64]) -> bool {
-        self.0.iter().all(|&(excitation, activation)| {
-            !(is_out(inputs[excitation]) || activation.is_some_and(|a| is_out(q[a])))
-        })
+    pub(crate) fn in_range(&self, inputs: &[f64], q: &[f64], steps: usize) -> usize {
+        let until = |list: &[f64], column: usize| {
+            let of_muscle = list.iter().skip(column).step_by((list.len() / steps).max(1));
+            of_muscle.take(steps).position(|&share| is_out(share)).unwrap_or(steps)
+        };
+        let of = |&(excitation, activation): &(usize, Option<usize>)| {
+            let given = activation.map_or(steps, |a| until(q, a));
+            until(inputs, excitation).min(given)
+        };
+        self.0.iter().map(of).min().unwrap_or(steps)
     }
 }

@@ -6,10 +6,8 @@
 //! motion is foretold by the highest, a jerky one by the lowest. A run that steps number by number
 //! has one degree for all its coordinates, one on lanes one for every block.
 
-use crate::lane::functions::if_less;
 use crate::lane::sweep::{Sweep, sweep};
 use crate::lane::{Lane, WIDEST};
-use crate::step::NOTHING;
 
 /// Highest degree.
 pub(crate) const DEGREES: usize = 5;
@@ -70,17 +68,15 @@ impl Predictor {
 pub(crate) const FADING: f64 = 0.5;
 
 /// Takes the increment of one coordinate into its differences, which stand `stride` apart; returns
-/// the next differences, by which the guess of each degree has missed. An increment of [`NOTHING`]
-/// leaves no differences.
+/// the next differences, by which the guess of each degree has missed.
 #[inline(always)]
 pub(crate) fn shift<L: Lane>(increment: L, differences: &mut [f64], stride: usize) -> [L; DEGREES] {
-    let (size, nothing, zero) = (increment.abs(), L::splat(NOTHING), L::splat(0.0));
     let mut missed = [increment; DEGREES];
     let mut difference = increment;
     for k in 0..DEGREES {
         let place = &mut differences[k * stride..];
         let next = difference - L::load(place);
-        if_less(size, nothing, zero, difference).store(place);
+        difference.store(place);
         difference = next;
         missed[k] = next;
     }

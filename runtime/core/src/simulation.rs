@@ -193,7 +193,7 @@ impl<M: Model> Simulation<M> {
 
     /// An error if a muscle is told what it cannot do in the prepared step.
     fn excitable(&self) -> Result<(), RunError> {
-        if self.excitations.are_in_range(&self.inputs, &self.driven_q) {
+        if self.excitations.in_range(&self.inputs, &self.driven_q, 1) == 1 {
             return Ok(());
         }
         let told = (&self.driven_q[..], &self.driven[..]);

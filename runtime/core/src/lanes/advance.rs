@@ -35,12 +35,6 @@ impl Work for Advance<'_> {
     }
 }
 
-/// The number, or zero where it is nothing.
-#[inline(always)]
-fn audible<L: Lane>(x: L) -> L {
-    if_less(x.abs(), L::splat(NOTHING), L::splat(0.0), x)
-}
-
 /// q1 = q0 + Δq and p1 = p0 + h·f; a coordinate in static equilibrium or internal is left at the
 /// middle of the step, where its equation was solved, and carries no momentum. Width of the vector and
 /// number of unknowns are told, since those who know them when they are compiled need no checks.
@@ -66,12 +60,12 @@ pub(super) fn advance_lanes<L: Lane>(
         let k = i * width + lane;
         let (increment, force) = (L::load(&delta[k..]), L::load(&force[k..]));
         let share = L::load(&share[k..]);
-        audible(share.mul_add(increment, L::load(&q[k..]))).store(&mut q[k..]);
+        share.mul_add(increment, L::load(&q[k..])).store(&mut q[k..]);
         let rate = L::load(&rate[k..]) * per_h;
         rate.mul_add(increment, L::load(&past[k..])).store(&mut v[k..]);
         let is_moving = share + share - L::splat(1.0);
         let next_p = h.mul_add(force, L::load(&p[k..]));
-        audible(is_moving * next_p).store(&mut p[k..]);
+        (is_moving * next_p).store(&mut p[k..]);
         let next = shift(increment, &mut differences[k..], count);
         if learns {
             let per_size = L::load(&per_size[k..]);
@@ -80,6 +74,9 @@ pub(super) fn advance_lanes<L: Lane>(
                 missed[degree] = size.mul_add(size, missed[degree]);
             }
         }
+    }
+    if learns {
+        cut_off::<L>([q, p], delta, differences, lane, width);
     }
     let all_missed = &mut vector.missed[..DEGREES * width];
     for degree in 0..DEGREES {
@@ -94,12 +91,45 @@ pub(super) fn advance_lanes<L: Lane>(
     }
 }
 
+/// Makes zeros of coordinates and momenta that are nothing, and of the differences that an increment of
+/// nothing leaves. Once in some steps is enough.
+#[inline(always)]
+fn cut_off<L: Lane>(
+    lists: [&mut [f64]; 2],
+    delta: &[f64],
+    differences: &mut [f64],
+    lane: usize,
+    width: usize,
+) {
+    let count = delta.len();
+    for list in lists {
+        for k in (lane..count).step_by(width) {
+            let x = L::load(&list[k..]);
+            audible(x, x).store(&mut list[k..]);
+        }
+    }
+    for k in (lane..count).step_by(width) {
+        let increment = L::load(&delta[k..]);
+        for degree in 0..DEGREES {
+            let place = &mut differences[degree * count + k..];
+            audible(increment, L::load(place)).store(place);
+        }
+    }
+}
+
+/// `x`, or zero where `by` is nothing.
+#[inline(always)]
+fn audible<L: Lane>(by: L, x: L) -> L {
+    if_less(by.abs(), L::splat(NOTHING), L::splat(0.0), x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn what_is_nothing_is_zero() {
+        let audible = |x| audible(x, x);
         assert_eq!([1e-51, -1e-51, f64::MIN_POSITIVE / 2.0].map(audible), [0.0; 3]);
         assert_eq!([1e-49, -1e-49, f64::INFINITY].map(audible), [1e-49, -1e-49, f64::INFINITY]);
         assert!(audible(f64::NAN).is_nan());

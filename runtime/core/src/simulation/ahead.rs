@@ -64,12 +64,9 @@ impl<M: Model> Simulation<M> {
             feed.inputs(model, t, inputs);
             feed.rests(model, t, inputs, &mut rest[k * of_rest..][..of_rest]);
             feed.paths(model, end, ends);
-            if !excitations.are_in_range(inputs, ends) {
-                break;
-            }
-            *steps += 1;
             begin = end;
         }
+        *steps = excitations.in_range(inputs, ends, rows);
         for list in [inputs, rest, ends] {
             list.truncate(list.len() / rows * *steps);
         }

@@ -10,6 +10,7 @@ pub(super) struct Feed {
     scenario: Option<usize>,
     /// Inputs that are held at a value.
     held: Vec<Option<f64>>,
+    is_holding: bool,
     /// Inputs that stand for the natural lengths of strands, with their lengths at the start (m).
     actuated: Vec<(usize, f64)>,
     /// Whether any strand's length is prescribed.
@@ -28,6 +29,7 @@ impl Feed {
         Feed {
             scenario,
             held: vec![None; layout.inputs.len()],
+            is_holding: false,
             actuated: strands.iter().filter_map(|s| Some((s.actuator?, 0.0))).collect(),
             is_prescribed: strands.iter().any(|s| s.is_prescribed),
             has_rests: strands.iter().any(|s| s.has_rest),
@@ -41,6 +43,7 @@ impl Feed {
     /// Holds an input at a value, or lets go of it.
     pub(super) fn hold(&mut self, input: usize, value: Option<f64>) {
         self.held[input] = value;
+        self.is_holding = self.held.iter().any(Option::is_some);
     }
 
     /// From now on inputs that stand for natural lengths are these lengths (m, by strand) where
@@ -62,8 +65,10 @@ impl Feed {
         if let Some(scenario) = self.scenario {
             model.scenario_inputs(scenario, t, inputs);
         }
-        for (input, held) in inputs.iter_mut().zip(&self.held) {
-            *input = held.unwrap_or(*input);
+        if self.is_holding {
+            for (input, held) in inputs.iter_mut().zip(&self.held) {
+                *input = held.unwrap_or(*input);
+            }
         }
         for &(input, length) in &self.actuated {
             if inputs[input].is_nan() {
