@@ -140,7 +140,7 @@ fn model(name: &str, count: usize, text: &str) -> String {
             text.replace('#', &number)
         );
     }
-    out.push_str("    scenario swing { step = 1 ms; duration = 200 s; }\n}\n");
+    out.push_str("    scenario swing { step = 1 ms; duration = 1000 s; }\n}\n");
     out
 }
 
@@ -158,6 +158,8 @@ fn texts() -> impl Iterator<Item = &'static str> {
     [""].into_iter().chain(STRANDS).chain(ELEMENTS.iter().map(|element| element.text))
 }
 
+/// Rounds at least: what is told is the difference of two short times.
+const ROUNDS: usize = 12;
 /// Steps of MuJoCo in a round: it takes longer.
 const RIVAL_STEPS: usize = 50_000;
 
@@ -215,7 +217,7 @@ pub(crate) fn report(
     let rivals = rivals(own)?;
     let mut times = vec![Series::default(); crates.len()];
     let mut theirs = vec![Series::default(); crates.len() / 2];
-    for _ in 0..rounds.max(3) {
+    for _ in 0..rounds.max(ROUNDS) {
         for (series, made) in times.iter_mut().zip(&crates) {
             let run = own.run(made, &[])?;
             series.0.push(run.wall * 1e9 / run.steps);
