@@ -138,26 +138,22 @@ impl<'a> Printer<'a> {
                 let [a, b] = self.two(two, Binding::Product, Binding::Negation);
                 (quote!(#a * #b), Binding::Product)
             }
-            Expression::Div(two) if self.is_rough && two[0] == Expression::Constant(1.0) => {
-                atom(self.call("rough_recip", std::slice::from_ref(&two[1])))
-            }
-            // On lanes a reciprocal root comes from the processor's estimate, without a division.
-            Expression::Div(two) if self.over_lanes && two[0] == Expression::Constant(1.0) => {
-                match &two[1] {
-                    Expression::Call(Unary::Sqrt, radicand) => {
+            Expression::Div(two) => {
+                let divisor = (two[0] == Expression::Constant(1.0)).then_some(&two[1]);
+                match divisor {
+                    Some(divisor) if self.is_rough => {
+                        atom(self.call("rough_recip", std::slice::from_ref(divisor)))
+                    }
+                    // It comes from the processor's estimate, without a division.
+                    Some(Expression::Call(Unary::Sqrt, radicand)) if self.over_lanes => {
                         let call = self.call("sqrt_recip", std::slice::from_ref(radicand));
                         atom(quote!(#call.1))
                     }
-                    divisor => {
-                        let (one, divisor) =
-                            (self.whole(&two[0]), self.operand(divisor, Binding::Negation));
-                        (quote!(#one / #divisor), Binding::Product)
+                    _ => {
+                        let [a, b] = self.two(two, Binding::Product, Binding::Negation);
+                        (quote!(#a / #b), Binding::Product)
                     }
                 }
-            }
-            Expression::Div(two) => {
-                let [a, b] = self.two(two, Binding::Product, Binding::Negation);
-                (quote!(#a / #b), Binding::Product)
             }
             Expression::Fused(kind, three) => {
                 let function = match kind {
