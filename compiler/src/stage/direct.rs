@@ -14,9 +14,9 @@ use handc_core::scalar::Scalar;
 use handc_core::shape::FEW;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A matrix of many unknowns suits if it is factored and solved with at most so many products for each
-/// entry of its square. Measured: with 2.4 a step takes 0.4 of the time that it takes with an inverse that
-/// is kept, with 3.2, where every entry is there, a sixth more.
+/// A matrix of many unknowns suits if it takes at most so many products ([`Elimination::products`]) for
+/// each entry of its square. Measured: with 2.4 (`extensor`) a step takes 0.4 of the time that it takes with
+/// an inverse that is kept; with 3.2 (a chain of eight, every entry there) copies take a sixth more.
 const MOST_PRODUCTS: f64 = 2.5;
 
 fn leaf(array: SystemArray, index: usize) -> Sym {
@@ -146,8 +146,9 @@ fn solvers(shape: usize, n: usize, elimination: &Elimination) -> [Task; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::{evaluate, with_new};
+    use crate::graph::with_new;
     use crate::stage::PartPlace;
+    use crate::stage::elimination::testing::{number, results};
     use handc_core::linalg::Lu;
 
     /// Three joints that all feel each other, and as many muscles, each with a fibre that feels the joints
@@ -172,11 +173,6 @@ mod tests {
     fn task(name: &'static str, entries: &BTreeSet<usize>) -> Task {
         let outputs = entries.iter().map(|&entry| output("matrix", entry, Sym::one())).collect();
         super::task(0, name, "", outputs)
-    }
-
-    /// A number without pattern.
-    fn number(index: usize, salt: usize) -> f64 {
-        ((index * 7919 + salt * 104_729 + 13) % 1009) as f64 / 1009.0 - 0.5
     }
 
     #[test]
@@ -214,25 +210,15 @@ mod tests {
             let shape =
                 Shape { unknowns: n, places: vec![PartPlace::default()], constants: vec![] };
             let of = ["evaluate_with_matrix", "momentum_matrix"].map(|name| task(name, &entries));
-            let mut factors = Vec::new();
-            let mut found: Vec<(Place, f64)> = Vec::new();
-            for task in tasks(&[shape], &of) {
-                let values: Vec<Sym> = task.outputs.iter().map(|output| output.value).collect();
-                let values = evaluate(&values, |leaf| match leaf {
-                    Leaf::System(SystemArray::Matrix, i) => matrix[i as usize],
-                    Leaf::System(SystemArray::Momentum, i) => momentum[i as usize],
-                    Leaf::System(SystemArray::Size, i) => size[i as usize],
-                    Leaf::System(SystemArray::Residual, i) => residual[i as usize],
-                    Leaf::System(SystemArray::Step, i) => step[i as usize],
-                    Leaf::System(SystemArray::Factors, i) => factors[i as usize],
-                    other => panic!("reads {other:?}"),
-                });
-                if task.name == "factor" {
-                    factors.clone_from(&values);
-                }
-                found.extend(task.outputs.iter().map(|o| o.place.clone()).zip(values));
-            }
-            found
+            results(&tasks(&[shape], &of), |leaf, factors| match leaf {
+                Leaf::System(SystemArray::Matrix, i) => matrix[i as usize],
+                Leaf::System(SystemArray::Momentum, i) => momentum[i as usize],
+                Leaf::System(SystemArray::Size, i) => size[i as usize],
+                Leaf::System(SystemArray::Residual, i) => residual[i as usize],
+                Leaf::System(SystemArray::Step, i) => step[i as usize],
+                Leaf::System(SystemArray::Factors, i) => factors[i as usize],
+                other => panic!("reads {other:?}"),
+            })
         });
         let of = |array: &'static str, index: usize| -> f64 {
             let place = Place::Element { array, index };

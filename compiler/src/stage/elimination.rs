@@ -50,7 +50,8 @@ impl Elimination {
         self.rows[unknown].keys().copied()
     }
 
-    /// Products in the elimination so far and in a solution with it.
+    /// Products that have changed entries so far, and those of a solution; the factors of rows are not
+    /// counted a second time.
     pub(super) fn products(&self) -> usize {
         self.products + self.factors.len()
     }
@@ -125,5 +126,36 @@ impl Elimination {
             x[pivot] = x[pivot] * factor(reciprocal);
         }
         x
+    }
+}
+
+/// For the tests of those who eliminate.
+#[cfg(test)]
+pub(super) mod testing {
+    use crate::emit::Place;
+    use crate::graph::{Leaf, Sym, evaluate};
+    use crate::stage::Task;
+
+    /// A number without pattern.
+    pub(in crate::stage) fn number(index: usize, salt: usize) -> f64 {
+        ((index * 7919 + salt * 104_729 + 13) % 1009) as f64 / 1009.0 - 0.5
+    }
+
+    /// What tasks compute one after another; `read` is given the results of the last one called
+    /// `factor`.
+    pub(in crate::stage) fn results(
+        tasks: &[Task],
+        read: impl Fn(Leaf, &[f64]) -> f64,
+    ) -> Vec<(Place, f64)> {
+        let (mut factors, mut found) = (Vec::new(), Vec::new());
+        for task in tasks {
+            let values: Vec<Sym> = task.outputs.iter().map(|output| output.value).collect();
+            let values = evaluate(&values, |leaf| read(leaf, &factors));
+            if task.name == "factor" {
+                factors.clone_from(&values);
+            }
+            found.extend(task.outputs.iter().map(|output| output.place.clone()).zip(values));
+        }
+        found
     }
 }

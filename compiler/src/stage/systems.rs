@@ -207,7 +207,8 @@ fn solvers(system: usize, block: &Block, elimination: &Elimination) -> [Task; 2]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::{evaluate, with_new};
+    use crate::graph::with_new;
+    use crate::stage::elimination::testing::{number, results};
     use handc_core::linalg::Lu;
 
     /// Two fingers and a ball, held by two and three rows.
@@ -229,11 +230,6 @@ mod tests {
         [false, true, true],
         [true, true, false],
     ];
-
-    /// A number without pattern.
-    fn number(index: usize, salt: usize) -> f64 {
-        ((index * 7919 + salt * 104_729 + 13) % 1009) as f64 / 1009.0 - 0.5
-    }
 
     /// Entries of a packed matrix or Jacobian; what is not there stays zero.
     fn packed(there: &BTreeSet<usize>, salt: usize, size: usize) -> Vec<f64> {
@@ -269,27 +265,17 @@ mod tests {
             let mut tasks = solvers(0, &block, &elimination).to_vec();
             tasks.push(sensitivities(0, &block, &there));
             tasks.extend(pulls(0, &block, &there[1]));
-            let mut factors = Vec::new();
-            let mut found: Vec<(Place, f64)> = Vec::new();
-            for task in tasks {
-                let values: Vec<Sym> = task.outputs.iter().map(|output| output.value).collect();
-                let values = evaluate(&values, |leaf| match leaf {
-                    Leaf::System(SystemArray::Matrix, i) => matrix[i as usize],
-                    Leaf::System(SystemArray::Before, i) => before[i as usize],
-                    Leaf::System(SystemArray::After, i) => after[i as usize],
-                    Leaf::System(SystemArray::Size, i) => size[i as usize],
-                    Leaf::System(SystemArray::Residual, i) => residual[i as usize],
-                    Leaf::System(SystemArray::Gaps, i) => gaps[i as usize],
-                    Leaf::System(SystemArray::Factors, i) => factors[i as usize],
-                    Leaf::Lambda(i) => lambda[i as usize],
-                    other => panic!("reads {other:?}"),
-                });
-                if task.name == "factor" {
-                    factors.clone_from(&values);
-                }
-                found.extend(task.outputs.iter().map(|o| o.place.clone()).zip(values));
-            }
-            found
+            results(&tasks, |leaf, factors| match leaf {
+                Leaf::System(SystemArray::Matrix, i) => matrix[i as usize],
+                Leaf::System(SystemArray::Before, i) => before[i as usize],
+                Leaf::System(SystemArray::After, i) => after[i as usize],
+                Leaf::System(SystemArray::Size, i) => size[i as usize],
+                Leaf::System(SystemArray::Residual, i) => residual[i as usize],
+                Leaf::System(SystemArray::Gaps, i) => gaps[i as usize],
+                Leaf::System(SystemArray::Factors, i) => factors[i as usize],
+                Leaf::Lambda(i) => lambda[i as usize],
+                other => panic!("reads {other:?}"),
+            })
         });
         let of = |array: &'static str, index: usize| -> f64 {
             let place = Place::Element { array, index };

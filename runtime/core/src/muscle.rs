@@ -1,6 +1,6 @@
 //! What muscles are told: excitations and activations lie between 0 and 1.
 
-use crate::layout::Layout;
+use crate::layout::{Layout, Muscle};
 use crate::model::Model;
 
 /// Rounding that an excitation may be out of its range by.
@@ -36,7 +36,7 @@ pub(crate) struct Excitations(Vec<(usize, Option<usize>)>);
 impl Excitations {
     /// Where the coordinates marked in `driven` are given.
     pub(crate) fn new(layout: &Layout, driven: &[bool]) -> Self {
-        let of = |(_, muscle): (_, &crate::layout::Muscle)| {
+        let of = |(_, muscle): (_, &Muscle)| {
             (muscle.excitation, Some(muscle.activation).filter(|&a| driven[a]))
         };
         Excitations(layout.muscles().map(of).collect())

@@ -134,4 +134,15 @@ mod tests {
         assert_eq!([1e-49, -1e-49, f64::INFINITY].map(audible), [1e-49, -1e-49, f64::INFINITY]);
         assert!(audible(f64::NAN).is_nan());
     }
+
+    #[test]
+    fn what_has_died_away_leaves_no_trace() {
+        let (mut q, mut p) = ([0.3, 1e-60], [1e-70, 0.2]);
+        let mut differences = [1e-80; 2 * DEGREES];
+        cut_off::<f64>([&mut q, &mut p], &[0.1, 1e-80], &mut differences, 0, 1);
+        assert_eq!((q, p), ([0.3, 0.0], [0.0, 0.2]));
+        for degree in differences.chunks(2) {
+            assert_eq!(degree, [1e-80, 0.0], "those of the first still count");
+        }
+    }
 }
